@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* dataset.h - a data set folder (INTERFACES 3): class table, pictures, label maps, folds.
+ * All faults are found and reported together, before any work starts. */
+#ifndef SG_PARSE_DATASET_H
+#define SG_PARSE_DATASET_H
+
+#include "core/arena.h"
+#include "core/status.h"
+#include "image/classes.h"
+#include "image/image.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum { SG_SPLIT_TRAIN, SG_SPLIT_VALID, SG_SPLIT_TEST, SG_SPLIT_ALL } sg_dataset_part;
+
+typedef struct {
+    const char *name;
+    const char *labels; /* path, or NULL when there is none */
+    const char *image;  /* path, or NULL when there is none */
+} sg_dataset_item;
+
+typedef struct {
+    const char *folder;
+    sg_classes classes;
+    size_t nitems;
+    sg_dataset_item *items; /* the chosen ones, in their order */
+} sg_dataset;
+
+typedef struct {
+    const char *classes_file; /* NULL: FOLDER/classes.tsv */
+    const char *names_file;   /* one NAME a line; or NULL */
+    int fold;                 /* 0: none, then all labels/ in the order of their names */
+    sg_dataset_part part;     /* which part of the fold */
+    size_t max_images;        /* 0: no limit; the first ones count */
+    bool need_images;         /* pictures are needed too, and their sizes are compared with the label maps' */
+} sg_dataset_opts;
+
+#define SG_DATASET_OPTS_INIT {NULL, NULL, 0, SG_SPLIT_TRAIN, 0, false}
+
+/** Open a data set and check all that was asked for: every chosen file is there, readable, of equal sizes, with labels
+ *  from the class table only. Faults go to `fault` one by one, each naming its file; then the call fails with a count.
+ *  @param fault  called once a fault with a sentence; may be NULL
+ *  @return SG_OK, SG_EINPUT, SG_ENOMEM */
+sg_status sg_dataset_open(const char *folder, const sg_dataset_opts *opts, sg_arena *arena,
+                          void (*fault)(void *user, const char *sentence), void *user, sg_dataset *out, sg_error *err);
+void sg_dataset_close(sg_dataset *d);
+
+/** Read the label map of an item as classes: pixel values are sg_classes classes or SG_CLASS_IGNORE. */
+sg_status sg_dataset_read_labels(const sg_dataset *d, size_t item, sg_label_map *out, sg_error *err);
+
+#endif

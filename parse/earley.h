@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* earley.h - 2D Earley-Stolcke parsing of label lattices and of cell costs (DESIGN 5.1, MATHEMATICS B1.2).
+ *
+ * A parse table is compiled from a split form once; probabilities can be replaced without compiling again. A chart is
+ * the work space of one parse, made once and reused: it keeps its memory. One chart a thread; a table is shared. */
+#ifndef SG_PARSE_EARLEY_H
+#define SG_PARSE_EARLEY_H
+
+#include "core/status.h"
+#include "derivation/derivation.h"
+#include "grammar/split.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum {
+    SG_CELL_MODE,   /* a lexical rule covers exactly one cell */
+    SG_REGION_MODE, /* a lexical rule covers any rectangle of one label (with costs: any rectangle, its cells' costs added) */
+} sg_leaf_mode;
+
+typedef struct sg_parse_table sg_parse_table;
+typedef struct sg_chart sg_chart;
+
+/** What is parsed: labels or costs over W x H cells, top row first. Exactly one of labels and costs is set. */
+typedef struct {
+    size_t width, height;
+    const uint16_t *labels; /* [height][width] terminals of the split form; UINT16_MAX: a label that no rule makes */
+    const double *costs;    /* [nterminals][height][width], -log p of the terminal in the cell, nats, finite or +INFINITY */
+} sg_cells;
+
+/** Compile. Unproductive and unreachable symbols take no part. @return SG_OK, SG_ENUMERIC (the unit rules have spectral
+ *  radius >= 1: no inside probability), SG_EINVAL, SG_ENOMEM */
+sg_status sg_parse_table_create(const sg_split_form *form, sg_leaf_mode mode, sg_parse_table **out, sg_error *err);
+void sg_parse_table_free(sg_parse_table *t);
+/** Replace the rule probabilities: p is [nrules of the form]. */
+sg_status sg_parse_table_set_probabilities(sg_parse_table *t, const double *p, sg_error *err);
+
+sg_status sg_chart_create(sg_chart **out, sg_error *err);
+void sg_chart_free(sg_chart *c);
+/** Items in the chart of the last parse, and bytes that the chart holds. */
+size_t sg_chart_states(const sg_chart *c);
+size_t sg_chart_bytes(const sg_chart *c);
+
+/** Inside: log of the sum over derivations. -INFINITY when the lattice is outside the language.
+ *  @return SG_OK, SG_EINVAL, SG_ENOMEM, SG_ENUMERIC */
+sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_inside, sg_error *err);
+/** Viterbi: log of the largest derivation. Ties break by rule index, then by split position. */
+sg_status sg_earley_viterbi(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_viterbi, sg_error *err);
+
+/** After sg_earley_inside() on this chart: outside, and the expected uses of each rule given the cells.
+ *  @param counts  in/out [nrules of the form], added to */
+sg_status sg_earley_expected_counts(const sg_parse_table *t, sg_chart *c, double *counts, sg_error *err);
+/** After sg_earley_viterbi() on this chart: the uses of each rule in the best derivation, added to counts. */
+sg_status sg_earley_viterbi_counts(const sg_parse_table *t, sg_chart *c, double *counts, sg_error *err);
+
+/** A parse as derivation nodes in pre-order, with the cells that each covers. */
+typedef struct {
+    uint32_t rule; /* of the split form */
+    uint32_t length;
+    uint32_t x0, y0, x1, y1; /* cells, half open */
+} sg_parse_node;
+
+/** After sg_earley_viterbi(): the best derivation. @param nodes out, malloc'd by the call, free() it */
+sg_status sg_earley_viterbi_tree(const sg_parse_table *t, sg_chart *c, sg_parse_node **nodes, size_t *nnodes, sg_error *err);
+
+#endif

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* file.c - whole-file reads and all-or-nothing writes. */
+#include "config.h"
+
+#include "core/file.h"
+
+#include <errno.h>
+#include <string.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool is_special(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode);
+}
+
+/* mkstemp() makes the file for its owner only; an output should be what fopen() would have made it. */
+static void set_usual_mode(int fd)
+{
+    const mode_t mask = umask(0);
+    umask(mask);
+    if (fchmod(fd, 0666 & ~mask) != 0)
+        errno = 0; /* some file systems have no modes: the file is still good */
+}
+
+static sg_status open_temporary(sg_output *out, sg_error *err)
+{
+    const char *slash = strrchr(out->path, '/');
+    const int folder = slash != NULL ? (int)(slash - out->path + 1) : 0;
+    const char *name = out->path + folder;
+    const int n = snprintf(out->temp, sizeof out->temp, "%.*s.%s.XXXXXX", folder, out->path, name);
+    if (n < 0 || (size_t)n >= sizeof out->temp)
+        return SG_FAIL(err, SG_EIO, "%s: the path is too long", out->path);
+    const int fd = mkstemp(out->temp);
+    if (fd < 0)
+        return SG_FAIL(err, SG_EIO, "%s: %s", out->path, strerror(errno));
+    set_usual_mode(fd);
+    out->fp = fdopen(fd, "wb");
+    if (out->fp == NULL) {
+        close(fd);
+        unlink(out->temp);
+        return SG_FAIL(err, SG_EIO, "%s: %s", out->path, strerror(errno));
+    }
+    return SG_OK;
+}
+
+sg_status sg_output_open(sg_output *out, const char *path, sg_error *err)
+{
+    out->fp = NULL;
+    out->temp[0] = '\0';
+    const int n = snprintf(out->path, sizeof out->path, "%s", path);
+    if (n < 0 || (size_t)n >= sizeof out->path)
+        return SG_FAIL(err, SG_EIO, "%.200s...: the path is too long", path);
+    if (strcmp(path, "-") == 0) {
+        out->fp = stdout;
+        return SG_OK;
+    }
+    if (!is_special(path))
+        return open_temporary(out, err);
+    out->fp = fopen(path, "wb");
+    return out->fp != NULL ? SG_OK : SG_FAIL(err, SG_EIO, "%s: %s", path, strerror(errno));
+}
+
+sg_status sg_output_commit(sg_output *out, sg_error *err)
+{
+    FILE *fp = out->fp;
+    const bool to_stdout = fp == stdout, to_temp = out->temp[0] != '\0';
+    out->fp = NULL;
+    errno = 0;
+    bool good = !ferror(fp) && fflush(fp) == 0;
+    if (good && to_temp)
+        good = fsync(fileno(fp)) == 0;
+    int why = errno;
+    if (!to_stdout && fclose(fp) != 0 && good) {
+        good = false;
+        why = errno;
+    }
+    if (good && to_temp && rename(out->temp, out->path) != 0) {
+        good = false;
+        why = errno;
+    }
+    if (good)
+        return SG_OK;
+    if (to_temp)
+        unlink(out->temp);
+    return SG_FAIL(err, SG_EIO, "%s: %s", to_stdout ? "standard output" : out->path,
+                   why != 0 ? strerror(why) : "writing failed");
+}
+
+void sg_output_discard(sg_output *out)
+{
+    if (out->fp == NULL)
+        return;
+    if (out->fp != stdout)
+        fclose(out->fp);
+    out->fp = NULL;
+    if (out->temp[0] != '\0')
+        unlink(out->temp);
+}
+
+static sg_status read_all(FILE *fp, const char *path, size_t limit, sg_arena *arena, char **text, size_t *length,
+                          sg_error *err)
+{
+    size_t size = 0, capacity = 65536;
+    char *buffer = malloc(capacity);
+    while (buffer != NULL) {
+        size += fread(buffer + size, 1, capacity - size, fp);
+        if (size < capacity || size > limit)
+            break;
+        char *larger = realloc(buffer, capacity *= 2);
+        if (larger == NULL)
+            free(buffer);
+        buffer = larger;
+    }
+    sg_status st = SG_OK;
+    if (buffer == NULL)
+        return SG_FAIL_NOMEM(err);
+    if (ferror(fp))
+        st = SG_FAIL(err, SG_EINPUT, "%s: %s", path, strerror(errno));
+    else if (size > limit)
+        st = SG_FAIL(err, SG_EINPUT, "%s: larger than the %zu bytes that such a file may have", path, limit);
+    else if ((*text = sg_arena_alloc(arena, size + 1)) == NULL)
+        st = SG_FAIL_NOMEM(err);
+    else {
+        memcpy(*text, buffer, size);
+        (*text)[size] = '\0';
+        *length = size;
+    }
+    free(buffer);
+    return st;
+}
+
+sg_status sg_file_read(const char *path, size_t limit, sg_arena *arena, char **text, size_t *length, sg_error *err)
+{
+    if (strcmp(path, "-") == 0)
+        return read_all(stdin, "standard input", limit, arena, text, length, err);
+    FILE *fp = fopen(path, "rb");
+    if (fp == NULL)
+        return SG_FAIL(err, SG_EINPUT, "%s: %s", path, strerror(errno));
+    const sg_status st = read_all(fp, path, limit, arena, text, length, err);
+    fclose(fp);
+    return st;
+}
+
+sg_status sg_folder_create(const char *path, sg_error *err)
+{
+    char buffer[4096];
+    const int n = snprintf(buffer, sizeof buffer, "%s", path);
+    if (n <= 0 || (size_t)n >= sizeof buffer)
+        return SG_FAIL(err, SG_EIO, "'%.200s': no path for a folder", path);
+    for (char *p = buffer + 1;; p++) {
+        const char c = *p;
+        if (c != '/' && c != '\0')
+            continue;
+        *p = '\0';
+        if (mkdir(buffer, 0777) != 0 && (errno != EEXIST || !sg_folder_exists(buffer)))
+            return SG_FAIL(err, SG_EIO, "%s: %s", buffer, strerror(errno));
+        if (c == '\0')
+            return SG_OK;
+        *p = c;
+    }
+}
+
+bool sg_file_exists(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
+}
+
+bool sg_folder_exists(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}

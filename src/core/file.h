@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* file.h - reading whole files, and writing them so that a crash never leaves half of one.
+ * An output is written beside its place under a temporary name and renamed when it is complete and on disk. */
+#ifndef SG_CORE_FILE_H
+#define SG_CORE_FILE_H
+
+#include "core/arena.h"
+#include "core/status.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+typedef struct {
+    FILE *fp;          /* write here */
+    char path[4096];   /* where it will stand; "-" is standard output */
+    char temp[4096];   /* where it is written; empty when it is written in place (standard output, a device) */
+} sg_output;
+
+/** Open an output. "-" is standard output; a device such as /dev/full is written in place.
+ *  @return SG_OK, SG_EIO (the sentence names the path) */
+sg_status sg_output_open(sg_output *out, const char *path, sg_error *err);
+/** Flush, close and rename. On failure nothing is left behind. @return SG_OK, SG_EIO */
+sg_status sg_output_commit(sg_output *out, sg_error *err);
+/** Close and remove: after a failure on the way. Fine on an output that is committed or never opened. */
+void sg_output_discard(sg_output *out);
+
+/** Read a whole file into the arena; a NUL follows the last byte. "-" is standard input.
+ *  @param limit  more bytes than this are refused
+ *  @return SG_OK, SG_EINPUT (missing, unreadable, a folder, over the limit), SG_ENOMEM */
+sg_status sg_file_read(const char *path, size_t limit, sg_arena *arena, char **text, size_t *length, sg_error *err);
+
+/** Make a folder and those above it; one that exists is fine. @return SG_OK, SG_EIO */
+sg_status sg_folder_create(const char *path, sg_error *err);
+
+bool sg_file_exists(const char *path);
+bool sg_folder_exists(const char *path);
+
+#endif

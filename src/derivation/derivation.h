@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* derivation.h - the one derivation type: a flat tree, pre-order, with its random values beside it.
+ *
+ * Nodes are one array, uniforms and values another two, so that a subtree is a slice of each: copying is memcpy and
+ * replacing a subtree is a splice. A node may be open (symbol known, no rule chosen yet). With tied siblings a symbol
+ * is stored once, at its first occurrence; interpretation places it at every occurrence (sg_op.child) and the prior
+ * counts it once. */
+#ifndef SG_DERIVATION_DERIVATION_H
+#define SG_DERIVATION_DERIVATION_H
+
+#include "core/arena.h"
+#include "core/status.h"
+#include "grammar/grammar.h"
+
+#include <gsl/gsl_rng.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct {
+    sg_sym symbol;
+    sg_rule_id rule;   /* SG_NONE: open */
+    uint32_t parent;   /* distance back to the parent; 0 for the root */
+    uint32_t length;   /* nodes in the subtree, itself included */
+    uint32_t depth;    /* of the root: 0 */
+    uint32_t values;   /* first of its values: arguments, then draw values; nparams + nvalues of the rule */
+    uint32_t uniforms; /* first of its uniforms: nuniforms of the rule */
+} sg_node;
+
+typedef struct sg_derivation {
+    const sg_grammar *grammar; /* borrowed */
+    sg_node *nodes;
+    size_t nnodes, nodes_capacity;
+    double *uniforms;
+    size_t nuniforms, uniforms_capacity;
+    double *values;
+    size_t nvalues, values_capacity;
+} sg_derivation;
+
+/** An empty derivation: no node. Free with sg_derivation_clear(). */
+void sg_derivation_init(sg_derivation *d, const sg_grammar *g);
+void sg_derivation_clear(sg_derivation *d);
+/** Make dst equal to src; dst keeps its memory. @return SG_OK, SG_ENOMEM */
+sg_status sg_derivation_copy(sg_derivation *dst, const sg_derivation *src, sg_error *err);
+
+/** Sample from the grammar's prior, replacing what d holds.
+ *  @param max_nodes  a derivation that would be larger is an error
+ *  @return SG_OK, SG_ENUMERIC (a guard, a weight or a distribution is impossible, max_nodes is passed; the sentence tells
+ *          the derivation path), SG_ENOMEM; on failure d is empty */
+sg_status sg_derivation_sample(sg_derivation *d, gsl_rng *rng, size_t max_nodes, sg_error *err);
+
+/** Sample a subtree for symbol with these arguments at this depth into `slice` (a derivation of its own whose root has
+ *  that depth). */
+sg_status sg_derivation_sample_subtree(sg_derivation *slice, sg_sym symbol, const double *args, uint32_t depth,
+                                       gsl_rng *rng, size_t max_nodes, sg_error *err);
+
+/** Replace the subtree at `node` by the slice, whose root must have the same symbol and depth (depths are shifted if
+ *  not). Lengths of ancestors and offsets behind it are mended. O(nodes behind + depth). @return SG_OK, SG_ENOMEM */
+sg_status sg_derivation_splice(sg_derivation *d, size_t node, const sg_derivation *slice, sg_error *err);
+/** Copy the subtree at `node` into slice. @return SG_OK, SG_ENOMEM */
+sg_status sg_derivation_extract(const sg_derivation *d, size_t node, sg_derivation *slice, sg_error *err);
+
+/** Expand an open node by rule, with fresh uniforms from rng; its children are open. @return as sample */
+sg_status sg_derivation_expand(sg_derivation *d, size_t node, sg_rule_id rule, gsl_rng *rng, sg_error *err);
+bool sg_derivation_complete(const sg_derivation *d);
+
+/** Children of a node: the first is node + 1, the next one is child + nodes[child].length. */
+static inline size_t sg_derivation_first_child(size_t node) { return node + 1; }
+
+/** Log prior in the space of uniforms: the sum of log rule probabilities. @return SG_OK, SG_ENUMERIC */
+sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_error *err);
+/** Sum of log densities of all draws in value space (the E_attr of DESIGN 5.4 is its negative). */
+sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err);
+
+/** Recompute rules' draw values from uniforms and arguments down the tree, after uniforms were changed.
+ *  @return SG_OK, SG_ENUMERIC */
+sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err);
+
+/** Check every invariant above (for tests and readers). @return SG_OK, SG_EINVAL */
+sg_status sg_derivation_check(const sg_derivation *d, sg_error *err);
+
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* image.h - pictures and label maps in memory, row-major, top row first. */
+#ifndef SG_IMAGE_IMAGE_H
+#define SG_IMAGE_IMAGE_H
+
+#include "core/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** 8-bit interleaved RGB. */
+typedef struct {
+    size_t width, height;
+    uint8_t *rgb; /* [height][width][3] */
+} sg_image;
+
+/** One class index per pixel. */
+typedef struct {
+    size_t width, height;
+    uint8_t *labels; /* [height][width] */
+} sg_label_map;
+
+/** Zeroed pictures. @return SG_OK, SG_EINVAL (a side is 0 or over SG_IMAGE_MAX_SIDE), SG_ENOMEM */
+sg_status sg_image_create(size_t width, size_t height, sg_image *out, sg_error *err);
+sg_status sg_label_map_create(size_t width, size_t height, sg_label_map *out, sg_error *err);
+void sg_image_clear(sg_image *im);
+void sg_label_map_clear(sg_label_map *m);
+
+#define SG_IMAGE_MAX_SIDE 32768   /* px */
+#define SG_IMAGE_MAX_PIXELS (1u << 28)
+
+static inline void sg_image_set(sg_image *im, size_t x, size_t y, uint32_t color)
+{
+    uint8_t *p = im->rgb + 3 * (y * im->width + x);
+    p[0] = (uint8_t)(color >> 16);
+    p[1] = (uint8_t)(color >> 8);
+    p[2] = (uint8_t)color;
+}
+
+#endif

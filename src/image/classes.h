@@ -7,6 +7,7 @@
 
 #include "core/status.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 #define SG_CLASS_IGNORE 255  /* class of an ignored pixel */

@@ -23,9 +23,15 @@ typedef struct {
     uint32_t index_colors[256];       /* palette over pixel indices, for writing */
 } sg_classes;
 
-/** @return SG_OK, SG_EINPUT (FILE:LINE: what is wrong), SG_ENOMEM */
+/** Read a class table. Names hold no blanks: lattices and folds are lists of words.
+ *  @return SG_OK, SG_EINPUT (FILE:LINE:COL: what is wrong; no class at all), SG_ENOMEM; on failure out is untouched */
 sg_status sg_classes_read(const char *path, sg_classes *out, sg_error *err);
+/** A table of n classes whose pixel indices are 0..n-1. names[i] may be 'ignore' or repeat.
+ *  @return SG_OK, SG_EINVAL (n is 0 or over 256, a name is empty or holds a blank, nothing but 'ignore'), SG_ENOMEM */
+sg_status sg_classes_create(size_t n, const char *const *names, const uint32_t *colors, sg_classes *out, sg_error *err);
+/** Write every index of the table. @return SG_OK, SG_EIO */
 sg_status sg_classes_write(const char *path, const sg_classes *c, sg_error *err);
+/** Free the names and zero the table; a zeroed one is fine. */
 void sg_classes_clear(sg_classes *c);
 /** Class of a name, or -1. */
 int sg_classes_find(const sg_classes *c, const char *name);

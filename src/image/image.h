@@ -20,9 +20,13 @@ typedef struct {
     uint8_t *labels; /* [height][width] */
 } sg_label_map;
 
-/** Zeroed pictures. @return SG_OK, SG_EINVAL (a side is 0 or over SG_IMAGE_MAX_SIDE), SG_ENOMEM */
+/** @return SG_OK, SG_EINVAL (a side is 0 or over SG_IMAGE_MAX_SIDE, or over SG_IMAGE_MAX_PIXELS in all) */
+sg_status sg_image_check_size(size_t width, size_t height, sg_error *err);
+
+/** Zeroed pictures. @return SG_OK, SG_EINVAL (as sg_image_check_size), SG_ENOMEM; on failure out is untouched */
 sg_status sg_image_create(size_t width, size_t height, sg_image *out, sg_error *err);
 sg_status sg_label_map_create(size_t width, size_t height, sg_label_map *out, sg_error *err);
+/** Free the pixels and zero the struct; a zeroed one is fine. */
 void sg_image_clear(sg_image *im);
 void sg_label_map_clear(sg_label_map *m);
 

@@ -1,5 +1,6 @@
 # SG_COMPILER_FLAGS
 # Probe each warning by itself, so that an older or other compiler gets those that it knows.
+# -Wextra brings gcc's -Wimplicit-fallthrough; clang's would find it in the macros of uthash.
 # Sets SG_CFLAGS and SG_CXXFLAGS. --enable-werror makes warnings fatal.
 AC_DEFUN([SG_COMPILER_FLAGS], [
   AC_ARG_ENABLE([werror], [AS_HELP_STRING([--enable-werror], [make every compiler warning an error])],
@@ -10,7 +11,7 @@ AC_DEFUN([SG_COMPILER_FLAGS], [
   sg_save_flags=$CFLAGS
   for sg_try in -std=gnu17 -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes \
       -Wold-style-definition -Wpointer-arith -Wcast-qual -Wwrite-strings -Wvla -Wundef -Wformat=2 \
-      -Wredundant-decls -Wnull-dereference -Wduplicated-cond -Wlogical-op -Wimplicit-fallthrough \
+      -Wredundant-decls -Wnull-dereference -Wduplicated-cond -Wlogical-op \
       -ffp-contract=off -fno-math-errno; do
     AC_MSG_CHECKING([whether $CC takes $sg_try])
     CFLAGS="$sg_save_flags -Werror $sg_try"

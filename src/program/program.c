@@ -51,7 +51,7 @@ bool sg_program_interrupted(void)
     return interrupted != 0;
 }
 
-static void complain_list(const char *format, va_list ap)
+__attribute__((format(printf, 1, 0))) static void complain_list(const char *format, va_list ap)
 {
     sg_program_progress_end();
     fprintf(stderr, "%s: ", program_name);

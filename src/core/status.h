@@ -5,6 +5,10 @@
 #ifndef SG_CORE_STATUS_H
 #define SG_CORE_STATUS_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     SG_OK,
     SG_EINVAL,   /* the caller's arguments make no sense */
@@ -43,5 +47,9 @@ sg_status sg_fail(sg_error *err, sg_status code, const char *format, ...) __attr
 /** Exit status of a program that ends with this status: the one mapping (0 done, 1 failed, 2 usage, 3 bad input,
  *  4 system, 5 stopped). */
 int sg_exit_code(sg_status status);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

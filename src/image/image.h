@@ -8,6 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** 8-bit interleaved RGB. */
 typedef struct {
     size_t width, height;
@@ -30,6 +34,13 @@ sg_status sg_label_map_create(size_t width, size_t height, sg_label_map *out, sg
 void sg_image_clear(sg_image *im);
 void sg_label_map_clear(sg_label_map *m);
 
+/** Give a label to the pixels whose centres lie in a polygon, by the even-odd rule; parts outside the map are cut off. A
+ *  centre on the outline belongs to the polygon at its left and top sides only, so neighbours tile without overlap.
+ *  @param xy  [n][2] corners in px, x to the right and y down, (0,0) the upper left corner of the upper left pixel
+ *  @return SG_OK, SG_EINVAL (fewer than 3 corners, a coordinate that is no number or over 1e6), SG_ENOMEM
+ *  O(rows of the polygon * n) */
+sg_status sg_label_map_fill_polygon(sg_label_map *m, const double *xy, size_t n, uint8_t label, sg_error *err);
+
 #define SG_IMAGE_MAX_SIDE 32768   /* px */
 #define SG_IMAGE_MAX_PIXELS (1u << 28)
 
@@ -40,5 +51,9 @@ static inline void sg_image_set(sg_image *im, size_t x, size_t y, uint32_t color
     p[1] = (uint8_t)(color >> 8);
     p[2] = (uint8_t)color;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* cv_image.cpp - OpenCV behind cv_image.h. Every function runs its work under guarded(), which lets no exception out. */
+#include "config.h"
+
+#include "image/cv_image.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <vector>
+
+namespace
+{
+
+/* Once a process: OpenCV says nothing by itself, and one operation runs in one thread. */
+void settle()
+{
+    static const bool done = [] {
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+        cv::setNumThreads(1);
+        return true;
+    }();
+    (void)done;
+}
+
+template <typename Work> sg_status guarded(sg_error *err, Work work) noexcept
+{
+    try {
+        settle();
+        return work();
+    } catch (const std::bad_alloc &) {
+        return SG_FAIL_NOMEM(err);
+    } catch (const cv::Exception &e) {
+        if (e.code == cv::Error::StsNoMem)
+            return SG_FAIL_NOMEM(err);
+        return SG_FAIL(err, SG_EINPUT, "OpenCV: %s", e.err.c_str());
+    } catch (const std::exception &e) {
+        return SG_FAIL(err, SG_EINPUT, "OpenCV: %s", e.what());
+    } catch (...) {
+        return SG_FAIL(err, SG_EINPUT, "OpenCV failed");
+    }
+}
+
+/* A view of our pixels: no copy. OpenCV's headers know no read-only data; who passes a const picture only reads. */
+cv::Mat view(const sg_image *im)
+{
+    return cv::Mat(static_cast<int>(im->height), static_cast<int>(im->width), CV_8UC3, im->rgb);
+}
+
+sg_status decode(const uint8_t *bytes, size_t n, sg_image *out, sg_error *err)
+{
+    const cv::Mat coded(1, static_cast<int>(n), CV_8UC1, const_cast<uint8_t *>(bytes));
+    const cv::Mat bgr = cv::imdecode(coded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    if (bgr.empty())
+        return SG_FAIL(err, SG_EINPUT, "a damaged JPEG file, or one of a kind that is not known");
+    cv::Mat rgb = view(out);
+    if (bgr.size() != rgb.size() || bgr.type() != rgb.type())
+        return SG_FAIL(err, SG_EINPUT, "a damaged JPEG file: it has two sizes");
+    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+    return SG_OK;
+}
+
+sg_status encode(const sg_image *im, int quality, uint8_t **bytes, size_t *n, sg_error *err)
+{
+    cv::Mat bgr;
+    cv::cvtColor(view(im), bgr, cv::COLOR_RGB2BGR);
+    std::vector<uchar> coded;
+    if (!cv::imencode(".jpg", bgr, coded, {cv::IMWRITE_JPEG_QUALITY, quality}))
+        return SG_FAIL(err, SG_EINVAL, "the picture cannot be written as JPEG");
+    *bytes = static_cast<uint8_t *>(std::malloc(coded.size()));
+    if (*bytes == nullptr)
+        return SG_FAIL_NOMEM(err);
+    std::memcpy(*bytes, coded.data(), coded.size());
+    *n = coded.size();
+    return SG_OK;
+}
+
+/* Area averaging is only right where a side shrinks: the shrinking sides first, then the growing ones. */
+sg_status resize(const sg_image *im, sg_image *out)
+{
+    const cv::Mat from = view(im);
+    cv::Mat to = view(out), middle;
+    const cv::Size smaller(std::min(from.cols, to.cols), std::min(from.rows, to.rows));
+    if (smaller == to.size()) {
+        cv::resize(from, to, smaller, 0, 0, cv::INTER_AREA);
+        return SG_OK;
+    }
+    cv::resize(from, middle, smaller, 0, 0, cv::INTER_AREA);
+    cv::resize(middle, to, to.size(), 0, 0, cv::INTER_LINEAR);
+    return SG_OK;
+}
+
+} // namespace
+
+sg_status sg_cv_decode_jpeg(const uint8_t *bytes, size_t n, sg_image *out, sg_error *err)
+{
+    return guarded(err, [&] { return decode(bytes, n, out, err); });
+}
+
+sg_status sg_cv_encode_jpeg(const sg_image *im, int quality, uint8_t **bytes, size_t *n, sg_error *err)
+{
+    return guarded(err, [&] { return encode(im, quality, bytes, n, err); });
+}
+
+sg_status sg_photo_resize(const sg_image *im, size_t width, size_t height, sg_image *out, sg_error *err)
+{
+    sg_image to;
+    SG_TRY(sg_image_create(width, height, &to, err));
+    const sg_status st = guarded(err, [&] { return resize(im, &to); });
+    if (st == SG_OK)
+        *out = to;
+    else
+        sg_image_clear(&to);
+    return st;
+}

@@ -25,7 +25,7 @@ typedef sg_ext value;
 #define LEAF_P(leaf) ((leaf)->p)
 #define UNIT_P(u) ((u)->p)
 #define CLOSURE(c) ((c)->sum)
-#include "parse/earley_walk.h"
+#include "parse/earley_walk.inc"
 
 sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_inside, sg_error *err)
 {

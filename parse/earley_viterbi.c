@@ -19,7 +19,7 @@ typedef double value;
 #define LEAF_P(leaf) ((leaf)->log_p)
 #define UNIT_P(u) ((u)->log_p)
 #define CLOSURE(c) ((c)->best)
-#include "parse/earley_walk.h"
+#include "parse/earley_walk.inc"
 
 sg_status sg_earley_viterbi(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_viterbi, sg_error *err)
 {

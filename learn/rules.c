@@ -220,6 +220,23 @@ static void concatenate_sizes(sg_rules *r, uint32_t from, uint32_t to)
     t->last_sizes = f->last_sizes;
 }
 
+void sg_rules_set_length(sg_rules *r, uint32_t rule, uint32_t n)
+{
+    sg_learn_rule *x = &r->rules[rule];
+    r->rhs_total = r->rhs_total - x->n + n;
+    r->log_lengths += sg_energy_log_length(&r->energy_opts, n) - sg_energy_log_length(&r->energy_opts, x->n);
+    x->n = n;
+}
+
+void sg_rules_remove_symbol(sg_rules *r, uint32_t symbol)
+{
+    sg_learn_symbol *s = &r->symbols[symbol];
+    s->alive = false;
+    sg_rules_refresh_symbol(r, symbol);
+    r->partition -= sg_rules_mix(s->members);
+    r->live_symbols--;
+}
+
 void sg_rules_set_count(sg_rules *r, uint32_t rule, double count)
 {
     sg_learn_rule *x = &r->rules[rule];
@@ -292,7 +309,7 @@ sg_status sg_rules_energy_parts(const sg_rules *r, sg_energy_parts *out, sg_erro
         return SG_FAIL_NOMEM(err);
     sg_split_form form;
     double *counts;
-    sg_status st = sg_rules_form(r, scratch, &form, NULL, &counts, err);
+    sg_status st = sg_rules_form(r, false, scratch, &form, NULL, &counts, err);
     if (st == SG_OK)
         st = sg_energy_of_form(&r->energy_opts, &form, counts, out, err);
     sg_arena_free(scratch);
@@ -473,7 +490,8 @@ static const double *gather_sizes(const sg_rules *r, const sg_learn_rule *x, sg_
     return rows;
 }
 
-static bool export_rule(const sg_rules *r, uint32_t id, const uint32_t *number, sg_arena *arena, sg_split_rule *out)
+static bool export_rule(const sg_rules *r, uint32_t id, const uint32_t *number, bool sizes, sg_arena *arena,
+                        sg_split_rule *out)
 {
     const sg_learn_rule *x = &r->rules[id];
     const sg_learn_symbol *s = &r->symbols[x->lhs];
@@ -484,7 +502,7 @@ static bool export_rule(const sg_rules *r, uint32_t id, const uint32_t *number, 
         rhs[i] = number[rhs[i]];
     *out = (sg_split_rule){.lhs = number[x->lhs], .op = x->op, .n = x->n, .rhs = rhs, .source = SG_NONE,
                            .probability = sg_energy_probability(&r->energy_opts, x->count, s->nrules, s->count),
-                           .nattributes = sg_rules_size_count(r, id)};
+                           .nattributes = sizes ? sg_rules_size_count(r, id) : 0};
     if (out->nattributes > 0)
         out->attributes = gather_sizes(r, x, arena, out->nattributes);
     return out->nattributes == 0 || out->attributes != NULL;
@@ -507,8 +525,8 @@ static size_t own_rules(const sg_rules *r, uint32_t symbol, uint32_t *out)
     return n;
 }
 
-sg_status sg_rules_form(const sg_rules *r, sg_arena *arena, sg_split_form *out, uint32_t **rule_of, double **counts,
-                        sg_error *err)
+sg_status sg_rules_form(const sg_rules *r, bool sizes, sg_arena *arena, sg_split_form *out, uint32_t **rule_of,
+                        double **counts, sg_error *err)
 {
     const size_t nrules = r->live_rules[0] + r->live_rules[1] + r->live_rules[2];
     uint32_t *number = SG_NEW_ARRAY(arena, uint32_t, r->nsymbols + 1);
@@ -531,7 +549,7 @@ sg_status sg_rules_form(const sg_rules *r, sg_arena *arena, sg_split_form *out, 
             at += own_rules(r, s, ids + at);
     for (size_t i = 0; i < nrules; i++) {
         c[i] = r->rules[ids[i]].count;
-        if (!export_rule(r, ids[i], number, arena, &rules[i]))
+        if (!export_rule(r, ids[i], number, sizes, arena, &rules[i]))
             return SG_FAIL_NOMEM(err);
     }
     *out = (sg_split_form){.name = r->name, .nsymbols = nsymbols, .symbol_names = names, .nterminals = r->nterminals,

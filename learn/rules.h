@@ -109,10 +109,11 @@ void sg_rules_clear(sg_rules *r);
 sg_status sg_rules_copy(sg_rules *dst, const sg_rules *src, sg_error *err);
 
 /** The living rules as a split form: symbols renumbered by increasing index, rules by symbol, then index.
+ *  @param sizes      put the rows of sizes in as attributes
  *  @param rule_of    out, NULL or [rules of the form] the rule each was made from, put into the arena
  *  @param counts     out, NULL or their counts */
-sg_status sg_rules_form(const sg_rules *r, sg_arena *arena, sg_split_form *out, uint32_t **rule_of, double **counts,
-                        sg_error *err);
+sg_status sg_rules_form(const sg_rules *r, bool sizes, sg_arena *arena, sg_split_form *out, uint32_t **rule_of,
+                        double **counts, sg_error *err);
 
 /** Carried energy. */
 double sg_rules_energy(const sg_rules *r);
@@ -161,6 +162,10 @@ void sg_rules_remove_rule(sg_rules *r, uint32_t rule, uint32_t heir);
 /** Put a living rule into the bucket of its operation and length, or take it out: for those who change the length. */
 void sg_rules_enter_bucket(sg_rules *r, uint32_t rule);
 void sg_rules_leave_bucket(sg_rules *r, uint32_t rule);
+/** Set the length of a non-lexical rule, whose right-hand side has been written over; it must be in no bucket. */
+void sg_rules_set_length(sg_rules *r, uint32_t rule, uint32_t n);
+/** Take a symbol without rules out of the grammar. */
+void sg_rules_remove_symbol(sg_rules *r, uint32_t symbol);
 /** Set a rule's count. */
 void sg_rules_set_count(sg_rules *r, uint32_t rule, double count);
 /** Bring a symbol's term and version up to date after its rules or counts changed. */

@@ -206,7 +206,7 @@ START_TEST(a_merge_by_hand)
     ck_assert_uint_eq(r.live_symbols, 2);
     sg_split_form out;
     double *c;
-    ck_ok(sg_rules_form(&r, arena, &out, NULL, &c, &err));
+    ck_ok(sg_rules_form(&r, true, arena, &out, NULL, &c, &err));
     ck_assert_uint_eq(out.nrules, 2);
     ck_assert_double_eq(c[0], 3);
     ck_assert_double_eq(c[1], 6);

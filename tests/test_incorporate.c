@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_incorporate.c - lattices to the initial grammar, and the merged grammar to the finished one. */
+#include "core/file.h"
 #include "learn/finish.h"
 #include "learn/incorporate.h"
+#include "learn/report.h"
 #include "tests/support.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Floor of windows over a floor of balconies, sky above: rows 1 and 2 correspond one to one. */
 static const char small[] = "lattice 5 4\n"
@@ -228,6 +231,39 @@ START_TEST(fitted_sizes_are_shrunk_and_proper)
 }
 END_TEST
 
+/* The page and the picture are there, hold each symbol, and escape what could break them. */
+START_TEST(a_report_shows_the_grammar)
+{
+    double *counts;
+    const sg_split_form f = incorporate((const char *[]){small}, 1, (sg_incorporate_opts)SG_INCORPORATE_OPTS_INIT, &counts);
+    sg_split_form g;
+    ck_ok(sg_finish(&f, arena, &g, &err));
+    char folder[] = "/tmp/sg_test_report_XXXXXX", path[256];
+    ck_assert_ptr_nonnull(mkdtemp(folder));
+    const sg_report_step steps[] = {{"initial <grammar>", 10, 11, 3, 1, 5}, {"merge a b", 8.5, 10, 3, 1, 5}};
+    const sg_report_line lines[] = {{"weight", "0.3"}};
+    const sg_report_picture picture = {"a.png", "A & B"};
+    const sg_report r = {"Test", lines, 1, lines, 1, steps, 2, &f, &f, &g, &picture, 1, &picture, 1};
+    ck_ok(sg_report_write(folder, &r, &err));
+    char *page, *svg;
+    size_t length;
+    snprintf(path, sizeof path, "%s/index.html", folder);
+    ck_ok(sg_file_read(path, 1 << 24, arena, &page, &length, &err));
+    ck_assert_ptr_nonnull(strstr(page, "initial &#60;grammar&#62;"));
+    ck_assert_ptr_nonnull(strstr(page, "A &#38; B"));
+    ck_assert_ptr_nonnull(strstr(page, "-1.50"));
+    unlink(path);
+    snprintf(path, sizeof path, "%s/grammar.svg", folder);
+    ck_ok(sg_file_read(path, 1 << 24, arena, &svg, &length, &err));
+    for (size_t x = 0; x < g.nsymbols; x++)
+        ck_assert_ptr_nonnull(strstr(svg, g.symbol_names[x]));
+    ck_assert_ptr_null(strstr(svg, "nan"));
+    unlink(path);
+    ck_assert_int_eq(rmdir(folder), 0);
+    ck_assert_int_eq(sg_report_write("/no/such/folder", &r, &err), SG_EIO);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("incorporate");
@@ -242,6 +278,7 @@ int main(void)
     tcase_add_test(tc, finishing_collapses_what_one_region_can_stand_for);
     tcase_add_test(tc, finishing_keeps_storeys_and_drops_self_rules);
     tcase_add_test(tc, fitted_sizes_are_shrunk_and_proper);
+    tcase_add_test(tc, a_report_shows_the_grammar);
     suite_add_tcase(suite, tc);
     return test_run(suite);
 }

@@ -52,7 +52,8 @@ typedef enum {
     SG_OP_PART,      /* one part of a split: size, then a block */
     SG_OP_REPEAT,    /* a block placed args[0] times along axis; its successors are derived once for each time */
     SG_OP_PUSH,      /* a block after which the state before it is restored */
-    SG_OP_SHAPE,     /* any other shape operation: `shape` says which (shape_ops.h), args are its arguments */
+    SG_OP_SHAPE,     /* any other shape operation: `shape` says which (shape_ops.h), args are its arguments; components have
+                        a block of SG_OP_PART whose `shape` is the face */
 } sg_op_kind;
 
 /** How the size of a part is meant (CGA shape): 2.5 absolute, '0.3 relative to the scope, ~1 a share of what is left.
@@ -66,7 +67,8 @@ typedef struct {
     uint32_t nargs;
     const sg_expr *args; /* [nargs] */
     sg_sym symbol;       /* SUCCESSOR */
-    uint32_t child;      /* SUCCESSOR: which stored child it places. Tied siblings share one (outside repeats). */
+    uint32_t child;      /* SUCCESSOR: which stored child it places, by first occurrence. Tied siblings share one (outside
+                            repeats). SG_NONE for a label. In a rule with a repeat: see sg_rule_child_count(). */
     sg_axis axis;        /* SPLIT, REPEAT */
     uint32_t nparts;     /* SPLIT */
     uint32_t draw;       /* SPLIT with drawn sizes: index of the simplex draw in the rule, else SG_NONE */
@@ -113,7 +115,8 @@ size_t sg_grammar_symbol_count(const sg_grammar *g);
 size_t sg_grammar_rule_count(const sg_grammar *g); /* completion rules included */
 const sg_symbol *sg_grammar_symbol(const sg_grammar *g, sg_sym s);
 const sg_rule *sg_grammar_rule(const sg_grammar *g, sg_rule_id r);
-sg_sym sg_grammar_find(const sg_grammar *g, const char *name); /* SG_NONE when there is none; hidden symbols too */
+/** The symbol of this name, SG_NONE when there is none. The name of a label is the label's, not the hidden symbol's. */
+sg_sym sg_grammar_find(const sg_grammar *g, const char *name);
 sg_sym sg_grammar_start(const sg_grammar *g);
 /** Arguments of the start symbol, [nparams of it]. */
 const double *sg_grammar_start_args(const sg_grammar *g);
@@ -125,6 +128,12 @@ bool sg_grammar_tied(const sg_grammar *g);
 /** Most values a frame can need: parameters and draws of any rule. */
 size_t sg_grammar_frame_size(const sg_grammar *g);
 
+/** A string argument of a shape operation (shape_ops.h). */
+const char *sg_grammar_string(const sg_grammar *g, uint32_t index);
+
+/** True when the expression does not depend on its frame; then *value is its value. */
+bool sg_grammar_constant(const sg_grammar *g, sg_expr e, double *value);
+
 /** Evaluate an expression of this grammar; depth is the depth of the node. */
 double sg_grammar_eval(const sg_grammar *g, sg_expr e, const double *frame, double depth);
 
@@ -134,7 +143,14 @@ double sg_grammar_eval(const sg_grammar *g, sg_expr e, const double *frame, doub
 sg_status sg_grammar_rule_probabilities(const sg_grammar *g, sg_sym s, const double *args, double depth, double *p,
                                         sg_error *err);
 
-/** Stored children of a node that uses rule r: the symbol of each, in order.
+/** How often the block of a SG_OP_REPEAT is placed: its argument, rounded.
+ *  @return SG_OK, SG_ENUMERIC (negative, not finite or over 1e6) */
+sg_status sg_op_repeat_count(const sg_grammar *g, const sg_op *op, const double *frame, double depth, size_t *n,
+                             sg_error *err);
+
+/** Stored children of a node that uses rule r: the symbol of each, in order. A successor whose `child` is the number
+ *  of distinct children before it is a new one, stored once for each time its block is placed; any other `child` points
+ *  back to an earlier one. Labels that are placed directly are no children.
  *  @param frame  arguments and draw values of the node (repeat counts may depend on them)
  *  @param n      out: how many
  *  @return SG_OK, SG_ENUMERIC (a repeat count is negative, not finite or over 1e6) */

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* source.c - positions, carets, UTF-8. */
+#include "config.h"
+
+#include "grammar/source.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { WINDOW = 110 }; /* bytes of the line that are shown: a line may be a megabyte long */
+
+static bool continues(char c)
+{
+    return ((unsigned char)c & 0xC0) == 0x80;
+}
+
+/* First byte of the part of the line that is shown, at a character boundary. */
+static size_t window_begin(const sg_source *s, size_t line_begin, size_t at)
+{
+    if (at - line_begin <= WINDOW / 2 + 10)
+        return line_begin;
+    size_t begin = at - WINDOW / 2;
+    while (begin > line_begin && continues(s->text[begin]))
+        begin--;
+    return begin;
+}
+
+static bool ends_line(const sg_source *s, size_t i)
+{
+    return i >= s->length || s->text[i] == '\n' || s->text[i] == '\r' || s->text[i] == '\0';
+}
+
+/* "\nLINE\n   ^" into out. Tabs are kept in the second line, so that the caret stands where the eye expects it. */
+static void show_line(const sg_source *s, size_t line_begin, size_t at, char *out, size_t size)
+{
+    const size_t begin = window_begin(s, line_begin, at);
+    size_t end = begin, n = 0;
+    while (!ends_line(s, end) && end - begin < WINDOW)
+        end++;
+    while (end > begin && end < s->length && continues(s->text[end]))
+        end--;
+    out[n++] = '\n';
+    for (size_t i = begin; i < end && n + 1 < size; i++)
+        out[n++] = s->text[i];
+    if (n + 1 < size)
+        out[n++] = '\n';
+    for (size_t i = begin; i < at && n + 2 < size; i++)
+        if (!continues(s->text[i]))
+            out[n++] = s->text[i] == '\t' ? '\t' : ' ';
+    if (n + 1 < size)
+        out[n++] = '^';
+    out[n] = '\0';
+}
+
+static sg_status fail_in_text(const sg_source *s, sg_pos at, sg_error *err, const char *sentence)
+{
+    size_t offset = at.offset < s->length ? at.offset : s->length;
+    /* The end of the file is shown behind the last thing in it, not on an empty line. */
+    if (offset == s->length)
+        while (offset > 0 && strchr(" \t\r\n", s->text[offset - 1]) != NULL)
+            offset--;
+    size_t begin = 0, column = 1, line = 1;
+    for (size_t i = 0; i < offset; i++)
+        if (s->text[i] == '\n') {
+            line++;
+            begin = i + 1;
+        }
+    for (size_t i = begin; i < offset; i++)
+        column += !continues(s->text[i]);
+    char shown[2 * WINDOW + 8];
+    show_line(s, begin, offset, shown, sizeof shown);
+    return SG_FAIL(err, SG_EINPUT, "%.250s:%zu:%zu: error: %s%s", s->name, line, column, sentence, shown);
+}
+
+sg_status sg_source_fail(const sg_source *s, sg_pos at, sg_error *err, const char *format, ...)
+{
+    char sentence[480];
+    va_list ap;
+    va_start(ap, format);
+    vsnprintf(sentence, sizeof sentence, format, ap);
+    va_end(ap);
+    if (s->text != NULL)
+        return fail_in_text(s, at, err, sentence);
+    if (at.offset == 0)
+        return SG_FAIL(err, SG_EINPUT, "%.250s: error: %s", s->name, sentence);
+    return SG_FAIL(err, SG_EINPUT, "%.250s: rule %u: error: %s", s->name, at.offset, sentence);
+}
+
+/* Length of the valid UTF-8 sequence at p (n bytes are left), 0 when it is invalid (overlong and surrogates too). */
+static size_t sequence(const unsigned char *p, size_t n)
+{
+    if (p[0] < 0x80)
+        return 1;
+    const size_t length = p[0] < 0xC2 ? 0 : p[0] < 0xE0 ? 2 : p[0] < 0xF0 ? 3 : p[0] < 0xF5 ? 4 : 0;
+    if (length == 0 || length > n)
+        return 0;
+    for (size_t i = 1; i < length; i++)
+        if ((p[i] & 0xC0) != 0x80)
+            return 0;
+    const bool overlong = (p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xF0 && p[1] < 0x90);
+    const bool no_character = (p[0] == 0xED && p[1] > 0x9F) || (p[0] == 0xF4 && p[1] > 0x8F);
+    return overlong || no_character ? 0 : length;
+}
+
+sg_status sg_source_check(const sg_source *s, sg_error *err)
+{
+    uint32_t line = 1;
+    for (size_t i = 0; i < s->length;) {
+        const unsigned char c = (unsigned char)s->text[i];
+        const sg_pos at = {(uint32_t)i, line};
+        const size_t n = sequence((const unsigned char *)s->text + i, s->length - i);
+        if (n == 0)
+            return sg_source_fail(s, at, err, "byte 0x%02x is no UTF-8", c);
+        if ((c < 0x20 && strchr("\t\n\r\f", c) == NULL) || c == 0 || c == 0x7F)
+            return sg_source_fail(s, at, err, "control character 0x%02x: this is no text file", c);
+        line += c == '\n';
+        i += n;
+    }
+    return SG_OK;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* truncated.h - the normal distribution truncated to [low, high], exact in the far tails.
+ * Needs sd > 0 and low < high, both finite. With a = (low - mean)/sd >= 0 everything is expressed by
+ *   M(a, t) = int_0^t exp(-a s - s^2/2) ds,
+ * the mass above a relative to the density at a, which neither underflows nor cancels however large a is. */
+#ifndef SG_GRAMMAR_TRUNCATED_H
+#define SG_GRAMMAR_TRUNCATED_H
+
+/** The value with u of the mass below it, in [low, high]. */
+double sg_truncated_quantile(double mean, double sd, double low, double high, double u);
+/** The mass below x. */
+double sg_truncated_cdf(double mean, double sd, double low, double high, double x);
+/** Log density at x; -INFINITY outside. */
+double sg_truncated_log_density(double mean, double sd, double low, double high, double x);
+
+#endif

@@ -41,21 +41,52 @@ static void add_costs(const sg_axis *a, const sg_places *strips, sg_strip_table 
             }
 }
 
+static sg_status make_table(size_t nclasses, const sg_places *places, const sg_places *strips, sg_arena *arena,
+                            sg_strip_table *t, sg_error *err)
+{
+    *t = (sg_strip_table){.places = *places, .nclasses = nclasses, .nstrips = strips->n - 1};
+    t->stride = (t->nstrips + LANES - 1) / LANES * LANES;
+    t->sum = SG_NEW_ARRAY(arena, float, places->n * nclasses * t->stride);
+    return t->sum != NULL ? SG_OK : SG_FAIL_NOMEM(err);
+}
+
 sg_status sg_strip_table_create(const sg_axis *a, const sg_places *places, const sg_places *strips, sg_arena *arena,
                                 sg_strip_table *out, sg_error *err)
 {
-    sg_strip_table t = {.places = *places, .nclasses = a->nclasses, .nstrips = strips->n - 1};
-    t.stride = (t.nstrips + LANES - 1) / LANES * LANES;
+    sg_strip_table t;
+    SG_TRY(make_table(a->nclasses, places, strips, arena, &t, err));
     const size_t block = t.nclasses * t.stride;
-    t.sum = SG_NEW_ARRAY(arena, float, places->n * block);
-    if (t.sum == NULL)
-        return SG_FAIL_NOMEM(err);
     if (a->costs != NULL)
         add_costs(a, strips, &t);
     else
         count_labels(a, strips, &t);
     for (size_t i = block; i < places->n * block; i++)
         t.sum[i] += t.sum[i - block];
+    *out = t;
+    return SG_OK;
+}
+
+static void add_groups(const float *fine, const sg_places *fine_strips, const sg_places *strips, float *coarse)
+{
+    size_t j = 0;
+    for (size_t k = 0; k + 1 < strips->n; k++)
+        for (; fine_strips->at[j] < strips->at[k + 1]; j++)
+            coarse[k] += fine[j];
+}
+
+sg_status sg_strip_table_coarsen(const sg_strip_table *base, const sg_places *base_strips, const sg_places *places,
+                                 const sg_places *strips, sg_arena *arena, sg_strip_table *out, sg_error *err)
+{
+    sg_strip_table t;
+    SG_TRY(make_table(base->nclasses, places, strips, arena, &t, err));
+    size_t i = 0;
+    for (size_t k = 0; k < places->n; k++) {
+        while (base->places.at[i] < places->at[k])
+            i++;
+        for (size_t c = 0; c < base->nclasses; c++)
+            add_groups(base->sum + (i * base->nclasses + c) * base->stride, base_strips, strips,
+                       t.sum + (k * t.nclasses + c) * t.stride);
+    }
     *out = t;
     return SG_OK;
 }

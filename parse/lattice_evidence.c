@@ -162,8 +162,20 @@ static sg_status rate_candidates(const sg_axis *a, const sg_candidate_opts *opts
     return SG_OK;
 }
 
-sg_status sg_axis_candidates(const sg_axis *a, const sg_candidate_opts *opts, sg_arena *arena, sg_places *out,
-                             sg_error *err)
+/* Strength 0 for all places but those. */
+static void keep_only(const sg_places *among, size_t length, uint32_t *strength)
+{
+    size_t k = 0;
+    for (size_t p = 0; p <= length; p++) {
+        if (k < among->n && among->at[k] == p)
+            k++;
+        else
+            strength[p] = 0;
+    }
+}
+
+sg_status sg_axis_candidates(const sg_axis *a, const sg_candidate_opts *opts, const sg_places *among, sg_arena *arena,
+                             sg_places *out, sg_error *err)
 {
     sg_arena *scratch = sg_arena_create();
     if (scratch == NULL)
@@ -172,6 +184,8 @@ sg_status sg_axis_candidates(const sg_axis *a, const sg_candidate_opts *opts, sg
     sg_status st = strength != NULL ? SG_OK : SG_FAIL_NOMEM(err);
     if (st == SG_OK)
         st = rate_candidates(a, opts, scratch, strength, err);
+    if (st == SG_OK && among != NULL)
+        keep_only(among, a->length, strength);
     if (st == SG_OK)
         st = collect_places(strength, a->length, opts->max_places, arena, out, err);
     sg_arena_free(scratch);

@@ -105,14 +105,19 @@ static sg_status make_places(sg_lattice_problem *p, sg_error *err)
         if (p->knots[d].n <= o.max_places)
             p->candidates[d] = p->knots[d]; /* few enough to leave none out */
         else
-            SG_TRY(sg_axis_candidates(&p->axis[d], &o, p->arena, &p->candidates[d], err));
+            SG_TRY(sg_axis_candidates(&p->axis[d], &o, &p->knots[d], p->arena, &p->candidates[d], err));
     }
     for (int d = 0; d < 2; d++) {
         p->cuts[d].at = SG_NEW_ARRAY(p->arena, uint32_t, p->axis[d].length + 1);
         p->best[d].at = SG_NEW_ARRAY(p->arena, uint32_t, p->axis[d].length + 1);
         if (p->cuts[d].at == NULL || p->best[d].at == NULL)
             return SG_FAIL_NOMEM(err);
-        SG_TRY(sg_strip_table_create(&p->axis[d], &p->candidates[d], &p->knots[1 - d], p->arena, &p->first[d], err));
+        const sg_places *strips = &p->knots[1 - d];
+        SG_TRY(sg_strip_table_create(&p->axis[d], &p->knots[d], strips, p->arena, &p->base[d], err));
+        if (p->candidates[d].at == p->knots[d].at)
+            p->first[d] = p->base[d];
+        else
+            SG_TRY(sg_strip_table_coarsen(&p->base[d], strips, &p->candidates[d], strips, p->arena, &p->first[d], err));
     }
     return SG_OK;
 }
@@ -181,7 +186,7 @@ static sg_status cut_again(sg_lattice_problem *p, const sg_lattice_weights *w, i
     sg_strip_table table;
     sg_places places;
     double value;
-    SG_TRY(sg_strip_table_create(&p->axis[d], &p->knots[d], &p->cuts[1 - d], p->scratch, &table, err));
+    SG_TRY(sg_strip_table_coarsen(&p->base[d], &p->knots[1 - d], &p->knots[d], &p->cuts[1 - d], p->scratch, &table, err));
     SG_TRY(sg_cuts_solve(&table, line_price(w, d) + w->per_cell * others, p->scratch, &places, &value, err));
     const double base = p->source.costs != NULL ? 0 : (double)p->counted_px;
     const double found = base - value + line_price(w, 1 - d) * others;

@@ -11,6 +11,7 @@
 #define SG_PARSE_LATTICE_FIT_H
 
 #include "core/arena.h"
+#include "core/progress.h"
 #include "core/status.h"
 #include "image/image.h"
 #include "parse/lattice.h"
@@ -95,6 +96,19 @@ sg_status sg_lattice_fit_cells(sg_lattice_problem *p, size_t cells, sg_arena *ar
  *  @param accuracy  in [0,1]. @return SG_OK, SG_EINVAL (out of range, or the source has costs), SG_ENOMEM */
 sg_status sg_lattice_fit_accuracy(sg_lattice_problem *p, double accuracy, sg_arena *arena, sg_lattice_fit *out,
                                      sg_error *err);
+
+/** The price of a cell, the same share of every map, at which lattices of all maps together have a wanted mean size or
+ *  accuracy: what a set of maps can be shown with best. Bisection to one per cent; one start a fit.
+ *  @param problems  [n]; threads work on different ones
+ *  @param cells     the largest mean number of cells a map, or 0
+ *  @param accuracy  with cells 0: the least mean accuracy
+ *  @param share     out: price of a cell as a share of the map's counted pixels
+ *  @return SG_OK, SG_EINVAL, SG_ENOMEM, SG_STOPPED */
+sg_status sg_lattice_common_price(sg_lattice_problem *const *problems, size_t n, double cells, double accuracy,
+                                  int threads, sg_progress *progress, double *share, sg_error *err);
+/** The fit with a cell at this share of the map's counted pixels. */
+sg_status sg_lattice_fit_share(sg_lattice_problem *p, double share, sg_arena *arena, sg_lattice_fit *out,
+                               sg_error *err);
 
 /** Nats that it takes to name the wrong pixels of a lattice and their labels: a pixel is right or wrong given which of its
  *  four neighbours before it (left, above left, above, above right) are wrong; a wrong one has the label of the wrong

@@ -15,7 +15,8 @@ struct sg_lattice_problem {
     sg_arena *scratch; /* empty between calls */
     sg_axis axis[2];   /* columns, rows */
     sg_places knots[2], candidates[2];
-    sg_strip_table first[2]; /* over the candidates, by all different pixel rows */
+    sg_strip_table base[2];  /* over the knots, by the strips between the knots of the other axis */
+    sg_strip_table first[2]; /* over the candidates, by the same strips */
     sg_places cuts[2], best[2]; /* room for all places */
 };
 

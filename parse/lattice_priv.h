@@ -46,9 +46,11 @@ typedef struct {
 } sg_candidate_opts;
 
 /** Candidate places: persistent maxima of the profile (box of 3) and places with long straight runs, the strongest
- *  max_places of them. Both ends are always there. @return SG_OK, SG_ENOMEM */
-sg_status sg_axis_candidates(const sg_axis *a, const sg_candidate_opts *opts, sg_arena *arena, sg_places *out,
-                             sg_error *err);
+ *  max_places of them. Both ends are always there.
+ *  @param among  places to choose from; NULL: all
+ *  @return SG_OK, SG_ENOMEM */
+sg_status sg_axis_candidates(const sg_axis *a, const sg_candidate_opts *opts, const sg_places *among, sg_arena *arena,
+                             sg_places *out, sg_error *err);
 /** Places between pixel columns that are not equal; with costs, all places. A line elsewhere is never needed: between two
  *  such places the gain is a sum of maxima of linear functions of the line's place, hence convex, and is largest at one of
  *  the two. As strips of the other axis they lose nothing either: equal pixel rows have one best class.
@@ -64,6 +66,11 @@ typedef struct {
 /** @param strips  places across the axis. @return SG_OK, SG_ENOMEM */
 sg_status sg_strip_table_create(const sg_axis *a, const sg_places *places, const sg_places *strips, sg_arena *arena,
                                 sg_strip_table *out, sg_error *err);
+/** The sums over some of the places and some of the strip borders of another table: all of theirs must be among its own.
+ *  @param base_strips  the strips that base was made with
+ *  @return SG_OK, SG_ENOMEM */
+sg_status sg_strip_table_coarsen(const sg_strip_table *base, const sg_places *base_strips, const sg_places *places,
+                                 const sg_places *strips, sg_arena *arena, sg_strip_table *out, sg_error *err);
 /** Gain of the interval between places i < j: the sum over strips of the largest class gain. */
 double sg_strip_table_gain(const sg_strip_table *t, size_t i, size_t j);
 

@@ -147,6 +147,16 @@ START_TEST(dynamic_program_equals_enumeration)
     ck_assert_double_eq_tol(value, best_by_enumeration(&a, &strips, penalty), tolerance);
     ck_assert_double_eq_tol(value, gain_of_cuts(&a, &cuts, &strips) - penalty * (double)(cuts.n - 1), tolerance);
 
+    /* sums over some places and strips are those of the pixels */
+    const sg_places fine = subset(a.breadth, ~0u), some = random_places(a.length, 0.5);
+    sg_strip_table base, coarse, direct;
+    ck_ok(sg_strip_table_create(&a, &all, &fine, arena, &base, &err));
+    ck_ok(sg_strip_table_coarsen(&base, &fine, &some, &strips, arena, &coarse, &err));
+    ck_ok(sg_strip_table_create(&a, &some, &strips, arena, &direct, &err));
+    for (size_t i = 0; i + 1 < some.n; i++)
+        ck_assert_double_eq_tol(sg_strip_table_gain(&coarse, i, some.n - 1),
+                                sg_strip_table_gain(&direct, i, some.n - 1), tolerance);
+
     /* places with equal pixels on both sides are never needed */
     sg_places knots;
     double value_knots;

@@ -243,15 +243,19 @@ static sg_status add_all(work *w, const sg_lattice *lattices, size_t n)
         return SG_ENOMEM;
     for (size_t i = 0; i < n; i++) {
         SG_TRY(make_item(w, &lattices[i], &items[i]));
-        if (w->opts->regroup)
+        if (w->opts->regroup == SG_REGROUP_PAIRS)
             SG_TRY(sg_regroup_count(regroup, items[i].terminals, lattices[i].width, lattices[i].height, w->nterminals));
     }
     for (size_t i = 0; i < n; i++) {
         size_t *first = SG_NEW_ARRAY(w->arena, size_t, lattices[i].height + 1), ngroups = 0;
         if (first == NULL)
             return SG_ENOMEM;
-        SG_TRY(sg_regroup_rows(regroup, items[i].terminals, lattices[i].width, lattices[i].height, w->nterminals, first,
-                               &ngroups));
+        if (w->opts->regroup == SG_REGROUP_FLOORS)
+            SG_TRY(sg_regroup_floors(items[i].terminals, lattices[i].width, lattices[i].height, w->arena, first,
+                                     &ngroups));
+        else
+            SG_TRY(sg_regroup_rows(regroup, items[i].terminals, lattices[i].width, lattices[i].height, w->nterminals,
+                                   first, &ngroups));
         SG_TRY(add_lattice(w, &items[i], first, ngroups));
     }
     return SG_OK;

@@ -14,17 +14,20 @@
  *  one label are collapsed (their rules stay apart, since they cover different numbers of cells). */
 typedef enum { SG_SHARE_NONE, SG_SHARE_EQUAL, SG_SHARE_COLLAPSED } sg_share;
 
+/** Which neighbouring rows become one row of columns, column -> split-y cells: none; pairs whose cells correspond one to
+ *  one (a bijection of at least two labels), frequent ones first, as in the paper; or bands of any height, as many as give
+ *  the shortest description (so that the storeys of a facade share their columns). */
+typedef enum { SG_REGROUP_NONE, SG_REGROUP_PAIRS, SG_REGROUP_FLOORS } sg_regroup_kind;
+
 typedef struct {
     sg_share share;
-    /** Neighbouring rows whose cells correspond one to one (a bijection of at least two labels) become one row of
-     *  columns, column -> split-y cells. Pairs that are frequent in the data are formed first. */
-    bool regroup;
+    sg_regroup_kind regroup;
     size_t nterminals; /* 0: the labels of the lattices in their order of appearance, grey levels as colours */
     const char *const *terminal_names;
     const uint32_t *terminal_colors; /* 0xRRGGBB; only terminals that occur go into the grammar */
 } sg_incorporate_opts;
 
-#define SG_INCORPORATE_OPTS_INIT {SG_SHARE_EQUAL, true, 0, NULL, NULL}
+#define SG_INCORPORATE_OPTS_INIT {SG_SHARE_EQUAL, SG_REGROUP_FLOORS, 0, NULL, NULL}
 
 /** Build the initial grammar.
  *  @param lattices  [n], n >= 1

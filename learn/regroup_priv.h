@@ -28,4 +28,10 @@ sg_status sg_regroup_count(sg_regroup *g, const uint32_t *t, size_t width, size_
 sg_status sg_regroup_rows(const sg_regroup *g, const uint32_t *t, size_t width, size_t height, size_t nterminals,
                           size_t *first, size_t *ngroups);
 
+/** Partition of the rows into bands of any height by least description length (regroup_floors.c).
+ *  @param first  out [height + 1], as above; scratch comes from the arena. O(height^2 * cells) at most
+ *  @return SG_OK, SG_ENOMEM */
+sg_status sg_regroup_floors(const uint32_t *t, size_t width, size_t height, sg_arena *arena, size_t *first,
+                            size_t *ngroups);
+
 #endif

@@ -22,6 +22,7 @@ static const char small[] = "lattice 5 4\n"
 
 static sg_error err = SG_ERROR_INIT;
 static sg_arena *arena;
+static const sg_incorporate_opts pairs = {SG_SHARE_EQUAL, SG_REGROUP_PAIRS, 0, NULL, NULL};
 
 static void setup(void)
 {
@@ -75,7 +76,7 @@ static size_t count_rules(const sg_split_form *f, sg_split_op op)
 START_TEST(rows_that_correspond_become_columns)
 {
     double *counts;
-    const sg_split_form f = incorporate((const char *[]){small}, 1, (sg_incorporate_opts)SG_INCORPORATE_OPTS_INIT, &counts);
+    const sg_split_form f = incorporate((const char *[]){small}, 1, pairs, &counts);
     ck_assert_uint_eq(f.nterminals, 5);
     const size_t s = find_rule(&f, "S y R1 R2 R3");
     const double heights[] = {0.2, 0.4, 0.4};
@@ -134,9 +135,32 @@ START_TEST(frequent_pairs_are_formed_first)
     /* balcony over window alone comes once, window over balcony twice: the middle rows go with their own balconies. */
     const char *const text[] = {"lattice 2 4\nwall window\nwall balcony\nwall window\nwall balcony\n"};
     double *counts;
-    const sg_split_form f = incorporate(text, 1, (sg_incorporate_opts)SG_INCORPORATE_OPTS_INIT, &counts);
+    const sg_split_form f = incorporate(text, 1, pairs, &counts);
     ck_assert_double_eq(counts[find_rule(&f, "C2 y window balcony")], 2);
     find_rule(&f, "S y R1 R1");
+}
+END_TEST
+
+/* Three storeys with courses of wall between them are one band of two kinds of columns; the shop's columns are others. */
+START_TEST(storeys_become_one_band)
+{
+    const char *const text[] = {"lattice 7 8\n"
+                                "sky sky sky sky sky sky sky\n"
+                                "wall window wall window wall window wall\n"
+                                "wall balcony wall balcony wall balcony wall\n"
+                                "wall wall wall wall wall wall wall\n"
+                                "wall window wall window wall window wall\n"
+                                "wall balcony wall balcony wall balcony wall\n"
+                                "wall wall wall wall wall wall wall\n"
+                                "shop shop shop shop door shop shop\n"};
+    double *counts;
+    const sg_split_form f =
+        incorporate(text, 1, (sg_incorporate_opts){SG_SHARE_EQUAL, SG_REGROUP_FLOORS, 0, NULL, NULL}, &counts);
+    sg_split_form g;
+    ck_ok(sg_finish(&f, arena, &g, &err));
+    find_rule(&g, "S y R1 R2 R3");
+    find_rule(&g, "R2 x C1 C2 C1 C2 C1 C2 C1");
+    find_rule(&g, "C2 y window balcony wall window balcony wall");
 }
 END_TEST
 
@@ -145,7 +169,7 @@ START_TEST(labels_follow_the_given_table)
     const char *const names[] = {"shop", "unused", "sky", "window", "wall", "balcony"};
     const uint32_t colors[] = {1, 2, 3, 4, 5, 6};
     double *counts;
-    const sg_incorporate_opts opts = {SG_SHARE_EQUAL, true, 6, names, colors};
+    const sg_incorporate_opts opts = {SG_SHARE_EQUAL, SG_REGROUP_PAIRS, 6, names, colors};
     const sg_split_form f = incorporate((const char *[]){small}, 1, opts, &counts);
     ck_assert_uint_eq(f.nterminals, 5);
     ck_assert_str_eq(f.terminal_names[1], "sky");
@@ -167,7 +191,7 @@ START_TEST(finishing_collapses_what_one_region_can_stand_for)
                                 "sky sky sky sky sky sky\n"
                                 "wall wall window window wall window\n"
                                 "wall wall balcony balcony wall balcony\n"};
-    const sg_split_form f = incorporate(text, 1, (sg_incorporate_opts)SG_INCORPORATE_OPTS_INIT, &counts);
+    const sg_split_form f = incorporate(text, 1, pairs, &counts);
     sg_split_form g;
     ck_ok(sg_finish(&f, arena, &g, &err));
     find_rule(&g, "R1 x sky");
@@ -235,7 +259,7 @@ END_TEST
 START_TEST(a_report_shows_the_grammar)
 {
     double *counts;
-    const sg_split_form f = incorporate((const char *[]){small}, 1, (sg_incorporate_opts)SG_INCORPORATE_OPTS_INIT, &counts);
+    const sg_split_form f = incorporate((const char *[]){small}, 1, pairs, &counts);
     sg_split_form g;
     ck_ok(sg_finish(&f, arena, &g, &err));
     char folder[] = "/tmp/sg_test_report_XXXXXX", path[256];
@@ -274,6 +298,7 @@ int main(void)
     tcase_add_test(tc, without_sharing_each_row_has_its_symbol);
     tcase_add_test(tc, collapsed_sharing_keeps_the_rules_apart);
     tcase_add_test(tc, frequent_pairs_are_formed_first);
+    tcase_add_test(tc, storeys_become_one_band);
     tcase_add_test(tc, labels_follow_the_given_table);
     tcase_add_test(tc, finishing_collapses_what_one_region_can_stand_for);
     tcase_add_test(tc, finishing_keeps_storeys_and_drops_self_rules);

@@ -34,7 +34,7 @@ static void free_level(sg_level *l, size_t height)
         }
     void *const pieces[] = {l->in,      l->symbols, l->unit_symbols, l->leaves,      l->touched,  l->b,          l->b2,
                             l->count,   l->olds,    l->rows,         l->limit,       l->lines,    l->values,     l->outside,
-                            l->slots,   l->links,   l->done_symbol,  l->done_end,    l->done_value, l};
+                            l->slots,   l->links,   l->done_symbol,  l->done_end,    l->done_value, l->bounds, l};
     for (size_t i = 0; i < sizeof pieces / sizeof *pieces; i++)
         free(pieces[i]);
 }
@@ -230,6 +230,8 @@ sg_status sg_chart_begin(sg_chart *c, const sg_parse_table *t, const sg_cells *c
         || cells->height > SG_EARLEY_MAX_SIDE)
         return SG_FAIL(err, SG_EINVAL, "a lattice of %zu x %zu cells cannot be parsed: sides are 1 to %d", cells->width,
                        cells->height, SG_EARLEY_MAX_SIDE);
+    if (t->tied_rules != NULL && cells->costs != NULL)
+        return SG_FAIL(err, SG_EINVAL, "tied siblings with several derivations have no exact parse over cell costs");
     if ((cells->labels == NULL) == (cells->costs == NULL))
         return SG_FAIL(err, SG_EINVAL, "a parse wants either labels or costs");
     SG_TRY(fit_levels(c, t, cells, err));

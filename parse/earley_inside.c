@@ -106,6 +106,58 @@ static bool pull(const backward *b, uint32_t node, uint32_t x1, uint32_t y1, sg_
     return true;
 }
 
+/* The same for a rule with tied siblings: the sum over all ways to place child i and those behind it of the outside value
+ * of the whole times their inside values. before: the inside value of those before them. */
+static bool pull_tied(const backward *b, const sg_table_rule *r, uint32_t i, const corner *strip, sg_ext before, sg_ext *sum)
+{
+    const sg_level *l = b->l;
+    if (i == r->n) {
+        const size_t slot = find_slot(l, r->tied_node, strip->across);
+        if (l->slots[slot] != 0)
+            *sum = ((const sg_ext *)l->outside)[(size_t)(l->slots[slot] - 1) * l->stride + l->bounds[i] - l->bounds[0] - 1];
+        return true;
+    }
+    if (r->first_of[i] != i)
+        return !sg_tied_repeats(b->w.c, r, i, l->bounds, l->x, l->y, strip->across)
+               || pull_tied(b, r, i + 1, strip, before, sum);
+    const corner at = tied_corner(&b->w, l, strip, l->bounds[i]);
+    sg_comps scratch;
+    slice s = {0};
+    if (at.room < r->n - i)
+        return true;
+    const sg_comps *k = comps_at(&b->w, r->rhs[i], at.x, at.y, &scratch);
+    if (!ready_outside(b->w.c, k) || !slice_of(b->w.c, k, at.axis, at.across, &s))
+        return false;
+    for (uint32_t j = 0; j < s.n; j++) {
+        sg_ext behind = sg_ext_zero();
+        l->bounds[i + 1] = s.along[j];
+        if (!pull_tied(b, r, i + 1, strip, sg_ext_mul(before, s.v[j]), &behind))
+            return false;
+        add_outside(b, k, s.index != NULL ? s.index[j] : s.first + j, sg_ext_mul(before, behind));
+        *sum = sg_ext_add(*sum, sg_ext_mul(s.v[j], behind));
+    }
+    return true;
+}
+
+static bool pull_tied_rules(const backward *b, uint32_t s, uint32_t x1, uint32_t y1, sg_ext inside, sg_ext *sum)
+{
+    const sg_parse_table *t = b->w.t;
+    for (uint32_t k = t->tied_rules != NULL ? t->tied_start[s] : 0;
+         t->tied_rules != NULL && k < t->tied_start[s + 1]; k++) {
+        const sg_table_rule *r = &t->rules[t->tied_rules[k]];
+        if (b->l->in[r->lhs] != 1)
+            continue;
+        const corner strip = corner_of(&b->w, b->l, (uint32_t)r->op, x1, y1);
+        sg_ext behind = sg_ext_zero();
+        b->l->bounds[0] = r->op == SG_SPLIT_X ? b->l->x : b->l->y;
+        b->l->bounds[1] = r->op == SG_SPLIT_X ? x1 : y1;
+        if (!pull_tied(b, r, 1, &strip, inside, &behind))
+            return false;
+        *sum = sg_ext_add(*sum, behind);
+    }
+    return true;
+}
+
 static bool pull_symbol(const backward *b, uint32_t s, uint32_t x1, uint32_t y1, sg_ext inside, sg_ext *sum)
 {
     for (int axis = 0; axis < 2; axis++) {
@@ -113,7 +165,7 @@ static bool pull_symbol(const backward *b, uint32_t s, uint32_t x1, uint32_t y1,
         if (node != 0 && wanted(b->l, &b->w.t->nodes[node]) && !pull(b, node, x1, y1, inside, sum))
             return false;
     }
-    return true;
+    return pull_tied_rules(b, s, x1, y1, inside, sum);
 }
 
 /* The place of a rectangle among those of its symbol, for a sweep backwards; UINT32_MAX: it is none. */

@@ -95,9 +95,23 @@ static void insert_all(sg_parse_table *t, const sort_item *items, size_t n, uint
     find_rests(t);
 }
 
+/* Rules with tied siblings are followed one by one: only the end of each is a node, and no beginning leads to it. */
+static void add_tied_nodes(sg_parse_table *t)
+{
+    for (uint32_t i = 0; i < t->nrules; i++) {
+        sg_table_rule *r = &t->rules[i];
+        if (!r->used || r->first_of == NULL)
+            continue;
+        r->tied_node = (uint32_t)t->nnodes++;
+        t->nodes[r->tied_node] = (sg_prefix){.symbol = r->lhs, .lhs = r->lhs, .end = (uint32_t)t->nends, .nends = 1,
+                                             .lhs_mask = UINT64_C(1) << (r->lhs % 64), .axis = (uint32_t)r->op};
+        t->ends[t->nends++] = (sg_prefix_end){.lhs = r->lhs, .rule = i};
+    }
+}
+
 sg_status sg_prefix_build(sg_parse_table *t, sg_error *err)
 {
-    size_t n = 0, total = 0, longest = 0;
+    size_t n = 0, total = 0, longest = 0, ntied = 0;
     sort_item *items = malloc((t->nrules + 1) * sizeof *items);
     if (items == NULL)
         return SG_FAIL_NOMEM(err);
@@ -105,15 +119,21 @@ sg_status sg_prefix_build(sg_parse_table *t, sg_error *err)
         const sg_table_rule *rule = &t->rules[r];
         if (!rule->used || rule->op == SG_SPLIT_LEXICAL || rule->n < 2)
             continue;
+        if (rule->first_of != NULL) {
+            ntied++;
+            continue;
+        }
         items[n++] = (sort_item){rule, r};
         total += rule->n;
         longest = rule->n > longest ? rule->n : longest;
     }
     qsort(items, n, sizeof *items, compare_rules);
     uint32_t *path = malloc((longest + 1) * sizeof *path);
-    sg_status st = path != NULL ? allocate(t, total, n, err) : SG_FAIL_NOMEM(err);
-    if (st == SG_OK)
+    sg_status st = path != NULL ? allocate(t, total + ntied, n + ntied, err) : SG_FAIL_NOMEM(err);
+    if (st == SG_OK) {
         insert_all(t, items, n, path);
+        add_tied_nodes(t);
+    }
     free(path);
     free(items);
     return st;

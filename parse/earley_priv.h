@@ -79,6 +79,9 @@ typedef struct {
     const uint32_t *rhs;
     double p, log_p;
     bool used; /* productive and reachable */
+    uint32_t nchildren;       /* stored in a derivation: n, but distinct symbols only where siblings are tied */
+    uint32_t tied_node;       /* tied siblings: the node at which the whole right-hand side ends, else 0 */
+    const uint32_t *first_of; /* [n] tied siblings: place of the first symbol that is equal */
 } sg_table_rule;
 
 struct sg_parse_table {
@@ -101,8 +104,12 @@ struct sg_parse_table {
     size_t nleaves;
     uint32_t *leaf_start; /* [nsymbols + 1] */
     sg_unit_graph units;
+    uint32_t *tied_start, *tied_rules; /* [nsymbols + 1]: rules with tied siblings by their first symbol; NULL: none */
+    uint32_t longest_tied;
 };
 
+/** Find the rules with tied siblings, before the tries are built. */
+sg_status sg_tied_find(sg_parse_table *t, const sg_split_form *form, sg_error *err);
 sg_status sg_prefix_build(sg_parse_table *t, sg_error *err);
 /** Structure (components, order) from t->units.units; then the closures, for the probabilities in t->rules. */
 sg_status sg_unit_graph_build(sg_parse_table *t, sg_error *err);
@@ -189,6 +196,8 @@ typedef struct {
     uint32_t *done_end;
     void *done_value;
     size_t ndone, done_symbol_capacity, done_end_capacity, done_value_capacity;
+    uint32_t *bounds; /* of the children of a rule with tied siblings */
+    size_t bounds_capacity;
 } sg_level;
 
 typedef enum { SG_CHART_EMPTY, SG_CHART_INSIDE, SG_CHART_VITERBI } sg_chart_kind;
@@ -230,6 +239,11 @@ void sg_chart_drop_levels(sg_chart *c);
 double sg_chart_leaf_cost(const sg_chart *c, uint32_t terminal, uint32_t x, uint32_t y, uint32_t x1, uint32_t y1);
 /** Whether a lexical rule may cover it. */
 bool sg_chart_leaf_fits(const sg_chart *c, uint32_t x, uint32_t y, uint32_t x1, uint32_t y1);
+
+/** Whether child i of a rule with tied siblings, that begins at bounds[i], repeats its first occurrence cell by cell; then
+ *  bounds[i + 1] is set. The strip begins at (x, y) and has this end across. */
+bool sg_tied_repeats(const sg_chart *c, const sg_table_rule *r, uint32_t i, uint32_t *bounds, uint32_t x, uint32_t y,
+                     uint32_t across);
 
 /** False when the symbol can certainly derive no rectangle from this corner. */
 static inline bool sg_chart_may_start(const sg_chart *c, const sg_parse_table *t, uint32_t s, uint32_t x, uint32_t y)

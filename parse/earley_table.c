@@ -47,7 +47,7 @@ static sg_status copy_rules(sg_parse_table *t, const sg_split_form *form, sg_err
         return SG_FAIL_NOMEM(err);
     for (size_t r = 0; r < form->nrules; r++) {
         const sg_split_rule *from = &form->rules[r];
-        t->rules[r] = (sg_table_rule){.lhs = from->lhs, .n = from->n, .op = from->op, .rhs = rhs};
+        t->rules[r] = (sg_table_rule){.lhs = from->lhs, .n = from->n, .op = from->op, .rhs = rhs, .nchildren = from->op == SG_SPLIT_LEXICAL ? 0 : from->n};
         memcpy(rhs, from->rhs, from->n * sizeof *rhs);
         rhs += from->n;
         t->rule_start[from->lhs + 2]++;
@@ -283,39 +283,6 @@ static sg_status collect_units(sg_parse_table *t, sg_error *err)
     return sg_unit_graph_build(t, err);
 }
 
-/* In a tied form equal symbols of one right-hand side share one derivation. Where such a symbol has one derivation only,
- * that changes nothing. */
-static sg_status check_tied(const sg_parse_table *t, const sg_split_form *form, sg_error *err)
-{
-    bool *rigid = calloc(t->nsymbols, sizeof *rigid);
-    if (rigid == NULL)
-        return SG_FAIL_NOMEM(err);
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (uint32_t s = 0; s < t->nsymbols; s++) {
-            if (rigid[s] || t->rule_start[s + 1] - t->rule_start[s] != 1)
-                continue;
-            const sg_table_rule *r = &t->rules[t->rule_order[t->rule_start[s]]];
-            bool all = r->used;
-            for (uint32_t i = 0; all && r->op != SG_SPLIT_LEXICAL && i < r->n; i++)
-                all = rigid[r->rhs[i]];
-            rigid[s] = all;
-            changed |= all;
-        }
-    }
-    sg_status st = SG_OK;
-    for (uint32_t r = 0; r < t->nrules && st == SG_OK; r++)
-        for (uint32_t i = 0; t->rules[r].used && t->rules[r].op != SG_SPLIT_LEXICAL && i < t->rules[r].n; i++)
-            for (uint32_t j = 0; j < i && st == SG_OK; j++)
-                if (t->rules[r].rhs[i] == t->rules[r].rhs[j] && !rigid[t->rules[r].rhs[i]])
-                    st = SG_FAIL(err, SG_EINVAL,
-                                 "tied siblings: a rule of %s repeats %s, which has more than one derivation; "
-                                 "no exact parse is known", form->symbol_names[t->rules[r].lhs],
-                                 form->symbol_names[t->rules[r].rhs[i]]);
-    free(rigid);
-    return st;
-}
-
 static sg_status compile(sg_parse_table *t, const sg_split_form *form, sg_error *err)
 {
     t->nsymbols = (uint32_t)form->nsymbols;
@@ -326,7 +293,7 @@ static sg_status compile(sg_parse_table *t, const sg_split_form *form, sg_error 
     SG_TRY(find_sizes(t, err));
     SG_TRY(find_used(t, err));
     if (form->tied)
-        SG_TRY(check_tied(t, form, err));
+        SG_TRY(sg_tied_find(t, form, err));
     SG_TRY(find_first_labels(t, err));
     SG_TRY(find_left_corners(t, err));
     SG_TRY(collect_leaves(t, err));

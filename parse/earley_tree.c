@@ -2,7 +2,8 @@
 /* earley_tree.c - the best derivation, found again from the values of the chart.
  * At each node all rules of its symbol are weighed again, along the strip that the node covers; that is little work
  * beside the parse, which keeps no back-pointers for it. Among equals the first rule wins, then the derivation with
- * fewer unit rules, then the smaller last cut, then the smaller last but one, and so on. */
+ * fewer unit rules, then the smaller last cut, then the smaller last but one, and so on (where siblings are tied: the
+ * smaller first cut, then the second). */
 #include "config.h"
 
 #include "core/array.h"
@@ -25,8 +26,10 @@ typedef struct {
     size_t nnodes, nodes_capacity;
     double *best; /* [n][length + 1] of the rule that is being weighed: its first i + 1 children end here */
     size_t best_capacity;
-    uint32_t *cuts;
-    size_t cuts_capacity;
+    uint32_t *lengths;
+    size_t lengths_capacity;
+    uint32_t *bounds, *best_bounds; /* of the children of a rule with tied siblings */
+    size_t bounds_capacity, best_bounds_capacity;
 } extraction;
 
 typedef struct {
@@ -72,10 +75,52 @@ static bool extend_best(extraction *x, const place *p, const strip *s, const sg_
     return true;
 }
 
+/* Place child i and those behind it in all ways, and keep the best: the first of equals, which has the smaller cuts. */
+static bool weigh_tied(extraction *x, const place *p, const strip *s, const sg_table_rule *r, uint32_t i, double before,
+                       double *best)
+{
+    if (i == r->n) {
+        if (x->bounds[i] == s->end && before > *best) {
+            *best = before;
+            memcpy(x->best_bounds, x->bounds, (r->n + (size_t)1) * sizeof *x->bounds);
+        }
+        return true;
+    }
+    if (r->first_of[i] != i)
+        return !sg_tied_repeats(x->c, r, i, x->bounds, p->x, p->y, s->across) || weigh_tied(x, p, s, r, i + 1, before, best);
+    sg_viterbi_slice k;
+    if (x->bounds[i] >= s->end)
+        return true;
+    if (!child_slice(x, p, s, r->rhs[i], x->bounds[i], &k))
+        return false;
+    for (uint32_t j = 0; j < k.n; j++) {
+        x->bounds[i + 1] = k.along[j];
+        if (!weigh_tied(x, p, s, r, i + 1, before + k.log_value[j], best))
+            return false;
+    }
+    return true;
+}
+
+static bool weigh_tied_rule(extraction *x, const place *p, const sg_table_rule *r, double *v)
+{
+    const strip s = strip_of(p, (uint32_t)r->op);
+    if (!SG_GROW(x->bounds, x->bounds_capacity, r->n + (size_t)1)
+        || !SG_GROW(x->best_bounds, x->best_bounds_capacity, r->n + (size_t)1))
+        return false;
+    *v = -INFINITY;
+    x->bounds[0] = s.begin;
+    if (!weigh_tied(x, p, &s, r, 0, 0, v))
+        return false;
+    *v += r->log_p;
+    return true;
+}
+
 static bool weigh_split(extraction *x, const place *p, const sg_table_rule *r, double *v)
 {
     const strip s = strip_of(p, (uint32_t)r->op);
     const size_t width = s.end - s.begin + 1;
+    if (r->first_of != NULL)
+        return weigh_tied_rule(x, p, r, v);
     *v = -INFINITY;
     if (r->n > width - 1)
         return true;
@@ -209,7 +254,10 @@ static bool push_children(extraction *x, const place *p, const sg_table_rule *r)
     uint32_t end = s.end;
     if (!weigh_split(x, p, r, &v)) /* fills best[] */
         return false;
-    for (uint32_t i = r->n; i-- > 0;) {
+    for (uint32_t i = r->n; r->first_of != NULL && i-- > 0;)
+        if (r->first_of[i] == i && !push(x, p, s.axis, r->rhs[i], x->best_bounds[i], x->best_bounds[i + 1]))
+            return false;
+    for (uint32_t i = r->n; r->first_of == NULL && i-- > 0;) {
         uint32_t begin = s.begin;
         if ((i > 0 && !find_cut(x, p, &s, r, i, end, &begin)) || !push(x, p, s.axis, r->rhs[i], begin, end))
             return false;
@@ -242,14 +290,14 @@ static bool expand(extraction *x, place p)
 static bool find_lengths(extraction *x)
 {
     size_t n = 0;
-    if (!SG_GROW(x->cuts, x->cuts_capacity, x->nnodes + 1))
+    if (!SG_GROW(x->lengths, x->lengths_capacity, x->nnodes + 1))
         return false;
     for (size_t i = x->nnodes; i-- > 0;) {
         const sg_table_rule *r = &x->t->rules[x->nodes[i].rule];
         uint32_t length = 1;
-        for (uint32_t k = 0; r->op != SG_SPLIT_LEXICAL && k < r->n; k++)
-            length += x->cuts[--n];
-        x->nodes[i].length = x->cuts[n++] = length;
+        for (uint32_t k = 0; k < r->nchildren; k++)
+            length += x->lengths[--n];
+        x->nodes[i].length = x->lengths[n++] = length;
     }
     return true;
 }
@@ -273,7 +321,9 @@ static void clear(extraction *x)
     free(x->stack);
     free(x->nodes);
     free(x->best);
-    free(x->cuts);
+    free(x->lengths);
+    free(x->bounds);
+    free(x->best_bounds);
 }
 
 sg_status sg_earley_viterbi_tree(const sg_parse_table *t, sg_chart *c, sg_parse_node **nodes, size_t *nnodes, sg_error *err)

@@ -303,6 +303,71 @@ static inline double oracle_enumerate(const oracle_grammar *g, const sg_cells *c
     return (double)logl(oracle_brute_sum(&b, g->form.axiom, 0, 0, cells->width, cells->height));
 }
 
+/* ---- tied siblings in cell mode: within a node equal symbols have equal cells and count once ---- */
+
+static inline bool oracle_equal_cells(const sg_cells *c, size_t x, size_t y, size_t x1, size_t y1, size_t to_x, size_t to_y)
+{
+    for (size_t j = 0; j < y1 - y; j++)
+        for (size_t i = 0; i < x1 - x; i++)
+            if (c->labels[(y + j) * c->width + x + i] != c->labels[(to_y + j) * c->width + to_x + i])
+                return false;
+    return true;
+}
+
+static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, uint32_t s, size_t x, size_t y, size_t x1, size_t y1);
+
+static inline long double oracle_tied_rest(const oracle_brute *b, bool maximum, const sg_split_rule *r, uint32_t i, size_t *cut,
+                                           size_t x, size_t y, size_t x1, size_t y1)
+{
+    const bool along_x = r->op == SG_SPLIT_X;
+    const size_t end = along_x ? x1 : y1;
+    uint32_t first = 0;
+    long double sum = 0;
+    if (i == r->n)
+        return cut[i] == end ? 1 : 0;
+    while (r->rhs[first] != r->rhs[i])
+        first++;
+    for (size_t e = cut[i] + 1; e <= end; e++) {
+        if (i == 0 && e == end && r->n > 1)
+            break;
+        cut[i + 1] = e;
+        const size_t cx = along_x ? cut[i] : x, cy = along_x ? y : cut[i], cx1 = along_x ? e : x1, cy1 = along_x ? y1 : e;
+        if (first < i) {
+            const size_t fx = along_x ? cut[first] : x, fy = along_x ? y : cut[first];
+            if (e - cut[i] == cut[first + 1] - cut[first] && oracle_equal_cells(b->cells, cx, cy, cx1, cy1, fx, fy))
+                sum = oracle_add(maximum, sum, oracle_tied_rest(b, maximum, r, i + 1, cut, x, y, x1, y1));
+            continue;
+        }
+        const long double v = oracle_tied_sum(b, maximum, r->rhs[i], cx, cy, cx1, cy1);
+        if (v > 0)
+            sum = oracle_add(maximum, sum, v * oracle_tied_rest(b, maximum, r, i + 1, cut, x, y, x1, y1));
+    }
+    return sum;
+}
+
+/* The closure is of sums: with maximum the grammar must have no unit rules. */
+static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, uint32_t s, size_t x, size_t y, size_t x1, size_t y1)
+{
+    long double sum = 0;
+    for (size_t r = 0; r < b->g->form.nrules; r++) {
+        const sg_split_rule *rule = &b->g->rules[r];
+        size_t cut[ORACLE_RHS + 1] = {rule->op == SG_SPLIT_X ? x : y};
+        if (b->closure[s][rule->lhs] == 0 || (rule->op != SG_SPLIT_LEXICAL && rule->n == 1))
+            continue;
+        sum = oracle_add(maximum, sum, b->closure[s][rule->lhs] * b->p[r]
+                         * (rule->op == SG_SPLIT_LEXICAL ? oracle_leaf(b->cells, b->mode, rule->rhs[0], x, y, x1, y1)
+                                                         : oracle_tied_rest(b, maximum, rule, 0, cut, x, y, x1, y1)));
+    }
+    return sum;
+}
+
+static inline double oracle_tied(const oracle_grammar *g, const sg_cells *cells, bool maximum, const double *p)
+{
+    oracle_brute b = {.g = g, .cells = cells, .mode = SG_CELL_MODE, .p = p};
+    oracle_close(&b);
+    return (double)logl(oracle_tied_sum(&b, maximum, g->form.axiom, 0, 0, cells->width, cells->height));
+}
+
 static inline void oracle_probabilities(const oracle_grammar *g, double *p)
 {
     for (size_t r = 0; r < g->form.nrules; r++)

@@ -374,6 +374,120 @@ START_TEST(replaced_probabilities_are_those_of_a_new_table)
 }
 END_TEST
 
+/* A tied grammar and a lattice of its language, by rejection. */
+static double draw_tied(fixture *f, bool units)
+{
+    f->mode = SG_CELL_MODE;
+    for (int tries = 0;; tries++) {
+        if (tries % 50 == 0) {
+            oracle_random_grammar(&f->g, f->rng);
+            f->g.form.tied = true;
+            for (size_t r = 0; r < f->g.form.nrules && !units; r++)
+                if (f->g.rules[r].op != SG_SPLIT_LEXICAL && f->g.rules[r].n == 1)
+                    tries = -1;
+            if (tries < 0)
+                continue;
+            compile(f);
+        }
+        oracle_random_labels(&f->g, &f->c, 1 + oracle_below(f->rng, 4), 1 + oracle_below(f->rng, 3), f->rng);
+        const double v = oracle_tied(&f->g, &f->c.cells, false, f->p);
+        if (f->c.cells.width * f->c.cells.height >= 3 && v != -INFINITY)
+            return v;
+    }
+}
+
+START_TEST(tied_siblings_have_equal_cells_and_count_once)
+{
+    sg_error err = SG_ERROR_INIT;
+    fixture f;
+    begin(&f, _i, 14);
+    for (int k = 0; k < CASES / 4; k++) {
+        const double want = draw_tied(&f, true);
+        ck_log_eq(inside(&f), want);
+        double counts[ORACLE_RULES] = {0};
+        ck_ok(sg_earley_expected_counts(f.t, f.chart, counts, &err));
+        for (size_t r = 0; r < f.g.form.nrules; r++) {
+            const double h = 1e-4, p = f.p[r];
+            f.p[r] = p * exp(h);
+            const double up = oracle_tied(&f.g, &f.c.cells, false, f.p);
+            f.p[r] = p * exp(-h);
+            const double down = oracle_tied(&f.g, &f.c.cells, false, f.p);
+            f.p[r] = p;
+            ck_assert_double_eq_tol(counts[r], (up - down) / (2 * h), 1e-6 * (1 + counts[r]));
+        }
+        for (int other = 0; other < 4; other++) { /* lattices of any kind */
+            oracle_random_labels(&f.g, &f.c, 1 + oracle_below(f.rng, 4), 1 + oracle_below(f.rng, 3), f.rng);
+            ck_log_eq(inside(&f), oracle_tied(&f.g, &f.c.cells, false, f.p));
+        }
+    }
+    end(&f);
+}
+END_TEST
+
+START_TEST(the_best_tied_derivation_stores_each_symbol_once)
+{
+    sg_error err = SG_ERROR_INIT;
+    fixture f;
+    begin(&f, _i, 15);
+    for (int k = 0; k < CASES / 4; k++) {
+        draw_tied(&f, false);
+        const double best = viterbi(&f);
+        ck_log_eq(best, oracle_tied(&f.g, &f.c.cells, true, f.p));
+        sg_parse_node *nodes;
+        size_t n;
+        double score = 0, counts[ORACLE_RULES] = {0};
+        ck_ok(sg_earley_viterbi_tree(f.t, f.chart, &nodes, &n, &err));
+        for (size_t i = 0; i < n; i++) {
+            score += log(f.p[nodes[i].rule]);
+            ck_assert_uint_le(i + nodes[i].length, n);
+        }
+        ck_log_eq(score, best);
+        ck_assert_uint_eq(nodes[0].length, n);
+        ck_ok(sg_earley_viterbi_counts(f.t, f.chart, counts, &err));
+        for (size_t i = 0; i < n; i++)
+            counts[nodes[i].rule]--;
+        for (size_t r = 0; r < f.g.form.nrules; r++)
+            ck_assert_double_eq(counts[r], 0);
+        free(nodes);
+    }
+    end(&f);
+}
+END_TEST
+
+/* S -> A B A with one derivation of A: tied or not, in either mode. With two, only cell mode over labels is exact. */
+START_TEST(what_tied_siblings_cannot_have_is_refused)
+{
+    sg_error err = SG_ERROR_INIT;
+    fixture f;
+    double v;
+    begin(&f, 0, 16);
+    oracle_begin(&f.g, 3, 3);
+    oracle_rule(&f.g, 0, SG_SPLIT_X, 3, (uint32_t[]){1, 2, 1}, 1);
+    oracle_rule(&f.g, 1, SG_SPLIT_LEXICAL, 1, (uint32_t[]){0}, 1);
+    oracle_rule(&f.g, 2, SG_SPLIT_LEXICAL, 1, (uint32_t[]){1}, 0.5);
+    oracle_rule(&f.g, 2, SG_SPLIT_LEXICAL, 1, (uint32_t[]){2}, 0.5);
+    f.g.form.tied = true;
+    f.mode = SG_REGION_MODE;
+    compile(&f);
+    f.c.cells = (sg_cells){4, 1, f.c.labels, NULL};
+    memcpy(f.c.labels, (uint16_t[]){0, 0, 2, 0}, 4 * sizeof(uint16_t));
+    ck_log_eq(inside(&f), log(0.5));
+    f.g.rhs[0][0] = f.g.rhs[0][1] = f.g.rhs[0][2] = 2; /* the symbol with two derivations, three times */
+    sg_parse_table *t;
+    ck_assert_int_eq(sg_parse_table_create(&f.g.form, SG_REGION_MODE, &t, &err), SG_EINVAL);
+    f.mode = SG_CELL_MODE;
+    compile(&f);
+    f.c.cells.width = 3;
+    memcpy(f.c.labels, (uint16_t[]){2, 2, 2}, 3 * sizeof(uint16_t));
+    ck_log_eq(inside(&f), log(0.5));
+    f.c.labels[1] = 1;
+    ck_assert(inside(&f) == -INFINITY);
+    oracle_random_costs(&f.g, &f.c, 3, 1, f.rng);
+    ck_assert_int_eq(sg_earley_inside(f.t, &f.c.cells, f.chart, &v, &err), SG_EINVAL);
+    end(&f);
+}
+END_TEST
+
 /* Costs that grow by a constant take it from the log of every derivation, cell by cell: no value is too small. */
 START_TEST(values_far_below_the_least_double_keep_their_precision)
 {
@@ -508,6 +622,9 @@ int main(void)
     tcase_add_loop_test(tc, expected_counts_are_finite_differences, 0, 8);
     tcase_add_loop_test(tc, expected_counts_balance, 0, 8);
     tcase_add_loop_test(tc, replaced_probabilities_are_those_of_a_new_table, 0, 4);
+    tcase_add_loop_test(tc, tied_siblings_have_equal_cells_and_count_once, 0, 8);
+    tcase_add_loop_test(tc, the_best_tied_derivation_stores_each_symbol_once, 0, 4);
+    tcase_add_test(tc, what_tied_siblings_cannot_have_is_refused);
     tcase_add_loop_test(tc, values_far_below_the_least_double_keep_their_precision, 0, 2);
     tcase_add_test(tc, long_lattices_do_not_exhaust_the_stack);
     tcase_add_test(tc, bad_arguments_have_their_status);

@@ -164,7 +164,7 @@ sg_status sg_chunk_best(const sg_rules *r, sg_chunk *out, bool *found, sg_error 
 
 /* ---- applying ---- */
 
-static uint32_t label_set_of(sg_rules *r, const uint32_t *rhs, uint32_t n)
+static uint32_t label_set_of(sg_rules *r, sg_split_op op, const uint32_t *rhs, uint32_t n)
 {
     const size_t w = r->label_words;
     uint64_t *words = calloc(w, sizeof *words);
@@ -173,6 +173,7 @@ static uint32_t label_set_of(sg_rules *r, const uint32_t *rhs, uint32_t n)
     for (uint32_t i = 0; i < n; i++)
         for (size_t j = 0; j < w; j++)
             words[j] |= r->label_sets[r->symbols[rhs[i]].label_set * w + j];
+    words[w - 1] = r->same_axis ? (uint64_t)1 << op : 0;
     const uint32_t set = sg_rules_label_set(r, words);
     free(words);
     return set;
@@ -247,7 +248,7 @@ static bool chunk_rule(sg_rules *r, uint32_t rule, const sg_chunk *c, uint32_t s
 sg_status sg_chunk_apply(sg_rules *r, const sg_chunk *c, const char *name, uint32_t *symbol, sg_error *err)
 {
     r->changes.nrules = r->changes.nsymbols = 0;
-    const uint32_t set = label_set_of(r, c->rhs, c->n), had = (uint32_t)r->nrules;
+    const uint32_t set = label_set_of(r, c->op, c->rhs, c->n), had = (uint32_t)r->nrules;
     *symbol = set != SG_NONE ? sg_rules_add_symbol(r, name, set) : SG_NONE;
     const uint32_t new_rule = *symbol != SG_NONE ? sg_rules_add_rule(r, *symbol, c->op, c->rhs, c->n, 0) : SG_NONE;
     if (new_rule == SG_NONE || !sg_changes_add_rule(&r->changes, new_rule)

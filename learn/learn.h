@@ -12,11 +12,12 @@ typedef struct {
     sg_energy_opts energy;
     sg_search_opts search; /* its `every` is set here */
     bool reestimate_every; /* by Earley parsing after each accepted step; else once, at the end */
+    bool same_axis;        /* merge only symbols whose rules are of the same kinds: sg_rules_keep_axes() */
     bool tied;             /* the learned grammar declares tied siblings */
 } sg_learn_opts;
 
 #define SG_LEARN_OPTS_INIT                                                                                             \
-    {SG_INCORPORATE_OPTS_INIT, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, false}
+    {SG_INCORPORATE_OPTS_INIT, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, true, false}
 
 /** Everything is in the arena, but for the history. */
 typedef struct {

@@ -361,6 +361,10 @@ sg_status sg_rules_find_labels(sg_rules *r, sg_error *err)
         return SG_FAIL_NOMEM(err);
     while (spread_labels(r, reach)) {
     }
+    const size_t axes = r->label_words - 1;
+    for (size_t i = 0; i < r->nrules && r->same_axis; i++)
+        if (r->rules[i].alive)
+            reach[r->rules[i].lhs * r->label_words + axes] |= (uint64_t)1 << r->rules[i].op;
     sg_status st = SG_OK;
     r->nlabel_sets = 0;
     for (size_t s = 0; s < r->nsymbols && st == SG_OK; s++) {
@@ -372,6 +376,12 @@ sg_status sg_rules_find_labels(sg_rules *r, sg_error *err)
     }
     free(reach);
     return st;
+}
+
+sg_status sg_rules_keep_axes(sg_rules *r, sg_error *err)
+{
+    r->same_axis = true;
+    return sg_rules_find_labels(r, err);
 }
 
 /* ---- from and to the split form ---- */
@@ -420,7 +430,7 @@ sg_status sg_rules_create(sg_rules *out, const sg_split_form *form, const double
 {
     sg_rules r = {.energy_opts = *o, .arena = arena, .tied = form->tied, .axiom = form->axiom,
                   .nterminals = form->nterminals, .terminal_names = form->terminal_names,
-                  .terminal_colors = form->terminal_colors, .label_words = form->nterminals / 64 + 1,
+                  .terminal_colors = form->terminal_colors, .label_words = form->nterminals / 64 + 2,
                   .log_terminals = log((double)form->nterminals)};
     r.name = form->name;
     sg_status st = fill(&r, form, counts, err);

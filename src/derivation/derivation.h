@@ -17,15 +17,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/** Rule of a node deeper than the depth limit whose symbol has no completion: the empty body, with probability 1. */
+#define SG_RULE_EMPTY (UINT32_MAX - 1)
+
 typedef struct {
     sg_sym symbol;
-    sg_rule_id rule;   /* SG_NONE: open */
+    sg_rule_id rule;   /* SG_NONE: open; SG_RULE_EMPTY: cut at the depth limit */
     uint32_t parent;   /* distance back to the parent; 0 for the root */
     uint32_t length;   /* nodes in the subtree, itself included */
     uint32_t depth;    /* of the root: 0 */
     uint32_t values;   /* first of its values: arguments, then draw values; nparams + nvalues of the rule */
     uint32_t uniforms; /* first of its uniforms: nuniforms of the rule */
 } sg_node;
+
+/** A stored child that a rule asks for: operation `op` of the body of node `parent`. */
+typedef struct {
+    uint32_t parent, op;
+} sg_child_op;
+
+typedef struct {
+    sg_child_op *items;
+    size_t n, capacity;
+} sg_child_list;
 
 typedef struct sg_derivation {
     const sg_grammar *grammar; /* borrowed */
@@ -35,6 +48,7 @@ typedef struct sg_derivation {
     size_t nuniforms, uniforms_capacity;
     double *values;
     size_t nvalues, values_capacity;
+    sg_child_list pending; /* work space of sampling and refreshing; empty between calls */
 } sg_derivation;
 
 /** An empty derivation: no node. Free with sg_derivation_clear(). */
@@ -54,29 +68,49 @@ sg_status sg_derivation_sample(sg_derivation *d, gsl_rng *rng, size_t max_nodes,
 sg_status sg_derivation_sample_subtree(sg_derivation *slice, sg_sym symbol, const double *args, uint32_t depth,
                                        gsl_rng *rng, size_t max_nodes, sg_error *err);
 
-/** Replace the subtree at `node` by the slice, whose root must have the same symbol and depth (depths are shifted if
- *  not). Lengths of ancestors and offsets behind it are mended. O(nodes behind + depth). @return SG_OK, SG_ENOMEM */
+/** Make d one open node: where step-wise expansion begins. args: [nparams of symbol]. @return SG_OK, SG_ENOMEM */
+sg_status sg_derivation_open(sg_derivation *d, sg_sym symbol, const double *args, uint32_t depth, sg_error *err);
+
+/** Replace the subtree at `node` by the slice (another derivation than d), whose root must have the same symbol; its depths
+ *  are shifted to that of the node. Lengths of ancestors and offsets behind it are mended. O(nodes behind + depth).
+ *  @return SG_OK, SG_EINVAL (another symbol), SG_ENOMEM; on failure d is as it was */
 sg_status sg_derivation_splice(sg_derivation *d, size_t node, const sg_derivation *slice, sg_error *err);
 /** Copy the subtree at `node` into slice. @return SG_OK, SG_ENOMEM */
 sg_status sg_derivation_extract(const sg_derivation *d, size_t node, sg_derivation *slice, sg_error *err);
 
-/** Expand an open node by rule, with fresh uniforms from rng; its children are open. @return as sample */
+/** Draw a rule for an open node from the prior: its completion, or SG_RULE_EMPTY, beyond the depth limit.
+ *  @return SG_OK, SG_EINVAL (not open), SG_ENUMERIC */
+sg_status sg_derivation_choose(const sg_derivation *d, size_t node, gsl_rng *rng, sg_rule_id *rule, sg_error *err);
+/** Expand an open node by rule (SG_RULE_EMPTY included), with fresh uniforms from rng; its children are open.
+ *  @return SG_OK, SG_EINVAL (not open, or no rule of its symbol), SG_ENUMERIC, SG_ENOMEM; on failure d is as it was */
 sg_status sg_derivation_expand(sg_derivation *d, size_t node, sg_rule_id rule, gsl_rng *rng, sg_error *err);
 bool sg_derivation_complete(const sg_derivation *d);
 
 /** Children of a node: the first is node + 1, the next one is child + nodes[child].length. */
 static inline size_t sg_derivation_first_child(size_t node) { return node + 1; }
 
-/** Log prior in the space of uniforms: the sum of log rule probabilities. @return SG_OK, SG_ENUMERIC */
+/** Log prior in the space of uniforms: the sum of log rule probabilities. Open nodes count nothing; tied siblings stand
+ *  once in the tree and count once. -INFINITY when a rule has probability 0 where it stands (its guard fails, or it is not
+ *  what the depth limit asks for). @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_error *err);
-/** Sum of log densities of all draws in value space (the E_attr of DESIGN 5.4 is its negative). */
+/** Sum of log densities of all draws in value space (the E_attr of DESIGN 5.4 is its negative). @return SG_OK, SG_ENUMERIC */
 sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err);
 
-/** Recompute rules' draw values from uniforms and arguments down the tree, after uniforms were changed.
- *  @return SG_OK, SG_ENUMERIC */
+/** Recompute draw values from uniforms, and arguments from values, down the subtree of `node`, after uniforms were changed.
+ *  @return SG_OK, SG_ENUMERIC (also when a repeat now asks for another number of children: then the subtree must be
+ *          derived anew), SG_ENOMEM; on failure the values below the node are worth nothing until a refresh succeeds */
 sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err);
 
-/** Check every invariant above (for tests and readers). @return SG_OK, SG_EINVAL */
+/** Check every invariant above (for tests and readers): lengths, parents and depths agree, rules belong to their symbols,
+ *  each node has the children that its rule asks for, values are what uniforms and arguments make them (to 1e-9).
+ *  @return SG_OK, SG_EINVAL (the sentence names the node), SG_ENOMEM */
 sg_status sg_derivation_check(const sg_derivation *d, sg_error *err);
+
+/** The stored children that rule r of node `parent` asks for, appended to the list: one item a child, in order. Successors
+ *  outside repeats with one sg_op.child are one child; those in a repeat are children anew each time.
+ *  @param frame  arguments and draw values of the node
+ *  @return SG_OK, SG_EINVAL (more than `limit` items in the list), SG_ENUMERIC (a repeat count), SG_ENOMEM */
+sg_status sg_derivation_list_children(const sg_grammar *g, const sg_rule *r, const double *frame, double depth,
+                                      uint32_t parent, size_t limit, sg_child_list *list, sg_error *err);
 
 #endif

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* derivation_prior.c - log prior and log density of a derivation, and its values made anew from its uniforms. */
+#include "derivation/derivation_priv.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static sg_status conditional_probability(const sg_grammar *g, sg_sym symbol, const double *args, double depth,
+                                         uint32_t index, double *probability, sg_error *err)
+{
+    enum { USUAL = 64 };
+    const uint32_t n = sg_grammar_symbol(g, symbol)->nrules;
+    double few[USUAL], *p = few;
+    if (n > USUAL && (p = malloc(n * sizeof *p)) == NULL)
+        return SG_FAIL_NOMEM(err);
+    const sg_status st = sg_grammar_rule_probabilities(g, symbol, args, depth, p, err);
+    if (st == SG_OK)
+        *probability = p[index];
+    if (p != few)
+        free(p);
+    return st;
+}
+
+static sg_status rule_probability(const sg_derivation *d, const sg_node *n, double *p, sg_error *err)
+{
+    const sg_symbol *s = sg_grammar_symbol(d->grammar, n->symbol);
+    const bool ordinary = n->rule >= s->first_rule && n->rule - s->first_rule < s->nrules;
+    if (n->depth > sg_grammar_depth_limit(d->grammar)) {
+        *p = n->rule == (s->completion == SG_NONE ? SG_RULE_EMPTY : s->completion) ? 1 : 0;
+        return SG_OK;
+    }
+    *p = 0;
+    if (!ordinary)
+        return SG_OK;
+    if (!s->constant_weights)
+        return conditional_probability(d->grammar, n->symbol, d->values + n->values, n->depth, n->rule - s->first_rule, p,
+                                       err);
+    *p = sg_grammar_rule(d->grammar, n->rule)->probability;
+    return SG_OK;
+}
+
+sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_error *err)
+{
+    double sum = 0;
+    for (size_t i = 0; i < d->nnodes; i++) {
+        if (d->nodes[i].rule == SG_NONE)
+            continue;
+        double p;
+        const sg_status st = rule_probability(d, d->nodes + i, &p, err);
+        if (st != SG_OK)
+            return sg_derivation_fail_at(d, i, st, err);
+        if (p != 1)
+            sum += log(p);
+    }
+    *log_prior = sum;
+    return SG_OK;
+}
+
+sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err)
+{
+    double sum = 0;
+    for (size_t i = 0; i < d->nnodes; i++) {
+        const sg_node *n = d->nodes + i;
+        const sg_rule *r = sg_node_rule(d, n);
+        if (r == NULL || r->ndraws == 0)
+            continue;
+        const double *frame = d->values + n->values;
+        const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
+        for (uint32_t k = 0; k < r->ndraws; k++) {
+            double log_phi;
+            const sg_status st = sg_draw_log_density(d->grammar, r->draws + k, frame, n->depth,
+                                                     frame + nparams + r->draws[k].first_value, &log_phi, err);
+            if (st != SG_OK)
+                return sg_derivation_fail_at(d, i, st, err);
+            sum += log_phi;
+        }
+    }
+    *log_density = sum;
+    return SG_OK;
+}
+
+/* Stored children of a node. */
+static size_t count_children(const sg_derivation *d, size_t node)
+{
+    size_t n = 0;
+    const size_t end = node + d->nodes[node].length;
+    for (size_t child = node + 1; child < end; child += d->nodes[child].length)
+        n++;
+    return n;
+}
+
+/* Draw values of one node, then the arguments of its children. */
+static sg_status refresh_node(sg_derivation *d, size_t node, sg_error *err)
+{
+    const sg_node *n = d->nodes + node;
+    const sg_rule *r = sg_node_rule(d, n);
+    if (r == NULL)
+        return SG_OK;
+    double *frame = d->values + n->values;
+    const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
+    SG_TRY(sg_derivation_transform(d->grammar, r, nparams, n->depth, d->uniforms + n->uniforms, frame, err));
+    d->pending.n = 0;
+    SG_TRY(sg_derivation_list_children(d->grammar, r, frame, n->depth, (uint32_t)node, SG_DERIVATION_MAX_ITEMS,
+                                       &d->pending, err));
+    if (r->has_repeat && d->pending.n != count_children(d, node))
+        return SG_FAIL(err, SG_ENUMERIC, "a repeat asks for %zu children now, and for %zu before", d->pending.n,
+                       count_children(d, node));
+    size_t child = node + 1;
+    for (size_t i = 0; i < d->pending.n; i++) {
+        sg_derivation_eval_args(d->grammar, r->ops + d->pending.items[i].op, frame, n->depth,
+                                d->values + d->nodes[child].values);
+        child += d->nodes[child].length;
+    }
+    return SG_OK;
+}
+
+sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err)
+{
+    const size_t end = node + d->nodes[node].length;
+    for (size_t i = node; i < end; i++) {
+        const sg_status st = refresh_node(d, i, err);
+        d->pending.n = 0;
+        if (st != SG_OK)
+            return sg_derivation_fail_at(d, i, st, err);
+    }
+    return SG_OK;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* derivation_priv.h - what the files of this folder share. */
+#ifndef SG_DERIVATION_DERIVATION_PRIV_H
+#define SG_DERIVATION_DERIVATION_PRIV_H
+
+#include "derivation/derivation.h"
+
+/* Offsets are 32 bits: no array of a derivation holds more items than this. */
+#define SG_DERIVATION_MAX_ITEMS ((size_t)UINT32_MAX - 2)
+
+/** The rule of a node, or NULL when it has none (open, or empty at the depth limit). */
+static inline const sg_rule *sg_node_rule(const sg_derivation *d, const sg_node *node)
+{
+    return node->rule >= SG_RULE_EMPTY ? NULL : sg_grammar_rule(d->grammar, node->rule);
+}
+
+/** Room for that many more nodes, uniforms and values. @return SG_OK, SG_ENOMEM */
+sg_status sg_derivation_reserve(sg_derivation *d, size_t nodes, size_t uniforms, size_t values, sg_error *err);
+
+/** Append an open node; its arguments are undefined. The caller has checked room with sg_derivation_reserve(). */
+size_t sg_derivation_append(sg_derivation *d, sg_sym symbol, uint32_t parent, uint32_t depth, uint32_t nparams);
+
+/** Move everything from node `first` on (and values, uniforms from these offsets on) by so many places, and mend offsets.
+ *  Parents in front of `before` stay where they are. Room has been reserved. Lengths are the caller's. */
+void sg_derivation_shift(sg_derivation *d, size_t first, size_t before, ptrdiff_t nodes, size_t first_value,
+                         ptrdiff_t values, size_t first_uniform, ptrdiff_t uniforms);
+
+/** Add to the lengths of all ancestors of node. */
+void sg_derivation_stretch(sg_derivation *d, size_t node, ptrdiff_t nodes);
+
+/** Evaluate the arguments of a successor over its parent's frame into args. */
+void sg_derivation_eval_args(const sg_grammar *g, const sg_op *op, const double *frame, double depth, double *args);
+
+/** Values of all draws of a rule from its uniforms; frame holds the arguments and receives the values. */
+sg_status sg_derivation_transform(const sg_grammar *g, const sg_rule *r, uint32_t nparams, double depth,
+                                  const double *uniforms, double *frame, sg_error *err);
+
+/** Put the path of symbols from the root to node in front of the sentence; returns code. */
+sg_status sg_derivation_fail_at(const sg_derivation *d, size_t node, sg_status code, sg_error *err);
+
+#endif

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* placer.c - cuts the scope of one body. Sizes as in CGA shape (Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural
+ * modeling of buildings", 2006): absolute, relative to the scope, and floating shares of what these leave; drawn sizes
+ * are shares of the same remainder, which is all of the scope when every part is drawn. */
+#include "scene/placer_priv.h"
+
+#include "core/array.h"
+#include "scene/label_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rounding of sums of sizes that is forgiven, relative to the scope. */
+#define TOLERANCE 1e-9
+
+typedef struct {
+    sg_placer *p;
+    const sg_derivation *d;
+    const sg_node *n;
+    size_t node;
+    const sg_rule *r;
+    const double *frame;
+    uint32_t nparams, next_id;
+    size_t next_child;
+    bool in_repeat;
+    sg_error *err;
+} body;
+
+void sg_placer_clear(sg_placer *p)
+{
+    free(p->items);
+    free(p->children);
+    free(p->position);
+    free(p->starts);
+    free(p->sizes);
+    memset(p, 0, sizeof *p);
+}
+
+void sg_placer_reset(sg_placer *p)
+{
+    p->n = p->nplaced = 0;
+}
+
+static void reverse_range(sg_place *items, size_t first, size_t end)
+{
+    while (first + 1 < end) {
+        const sg_place swap = items[first];
+        items[first++] = items[--end];
+        items[end] = swap;
+    }
+}
+
+void sg_placer_reverse(sg_placer *p, size_t first)
+{
+    reverse_range(p->items, first, p->n);
+}
+
+sg_status sg_placer_insert(sg_placer *p, size_t at, sg_place place, sg_error *err)
+{
+    if (!SG_GROW(p->items, p->items_capacity, p->n + 1))
+        return SG_FAIL_NOMEM(err);
+    memmove(p->items + at + 1, p->items + at, (p->n++ - at) * sizeof *p->items);
+    p->items[at] = place;
+    return SG_OK;
+}
+
+static sg_status fail(body *b, const char *what)
+{
+    const char *name = sg_grammar_symbol(b->d->grammar, b->n->symbol)->name;
+    const unsigned line = b->r != NULL ? b->r->line : 0;
+    if (line > 0)
+        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", name, line, what);
+    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", name, what);
+}
+
+static sg_status add_place(body *b, sg_rect rect, size_t node, sg_sym label)
+{
+    sg_placer *p = b->p;
+    if (++p->nplaced > SG_LABEL_SCENE_MAX_PLACES)
+        return fail(b, "more than 2^24 symbols and labels are placed");
+    if (p->n == p->items_capacity && !SG_GROW(p->items, p->items_capacity, p->n + 1))
+        return SG_FAIL_NOMEM(b->err);
+    p->items[p->n++] = (sg_place){rect, node, label};
+    return SG_OK;
+}
+
+static double eval(const body *b, sg_expr e)
+{
+    return sg_grammar_eval(b->d->grammar, e, b->frame, b->n->depth);
+}
+
+static sg_status place_block(body *b, size_t first, size_t end, sg_rect rect, bool outermost);
+
+/* The stored child of a successor: a new one, or the one that it is tied to. */
+static size_t child_of(body *b, const sg_op *op)
+{
+    sg_placer *p = b->p;
+    if (!b->in_repeat && op->child < b->next_id)
+        return p->position[op->child];
+    if (!b->in_repeat) {
+        b->next_id = op->child + 1;
+        p->position[op->child] = b->next_child;
+    }
+    return b->next_child++;
+}
+
+static sg_status place_successor(body *b, const sg_op *op, sg_rect rect)
+{
+    if (sg_grammar_symbol(b->d->grammar, op->symbol)->kind == SG_SYMBOL_LABEL)
+        return add_place(b, rect, b->node, op->symbol);
+    const size_t child = child_of(b, op);
+    if (child >= b->p->nchildren)
+        return fail(b, "it has fewer children than its rule asks for");
+    return add_place(b, rect, b->p->children[child], SG_NONE);
+}
+
+/* The piece of rect from share lo to share hi along the axis; the language's y runs up, the picture's down. The ends are
+ * exact, and equal shares give equal boundaries. */
+static sg_rect piece(sg_rect r, sg_axis axis, double lo, double hi)
+{
+    if (axis == SG_AXIS_X) {
+        const double length = r.x1 - r.x0, left = r.x0, right = r.x1;
+        r.x0 = lo <= 0 ? left : lo >= 1 ? right : left + lo * length;
+        r.x1 = hi >= 1 ? right : hi <= 0 ? left : left + hi * length;
+    } else {
+        const double length = r.y1 - r.y0, top = r.y0, bottom = r.y1;
+        r.y1 = lo <= 0 ? bottom : lo >= 1 ? top : bottom - lo * length;
+        r.y0 = hi >= 1 ? top : hi <= 0 ? bottom : bottom - hi * length;
+    }
+    return r;
+}
+
+/* Sums over the parts of a split, and what floating and drawn parts share. */
+typedef struct {
+    double fixed;    /* absolute and relative sizes, as shares of the scope */
+    double floating; /* sum of floating sizes */
+    size_t nfloating, ndrawn;
+    double rest;     /* share of the scope that is left for floating or drawn parts */
+} split_sums;
+
+static bool good_size(double s)
+{
+    return s >= 0 && isfinite(s);
+}
+
+static sg_status sum_parts(body *b, const sg_op *split, double length, split_sums *sums)
+{
+    memset(sums, 0, sizeof *sums);
+    const sg_op *part = split + 1;
+    for (uint32_t k = 0; k < split->nparts; k++, part += part->length) {
+        if (part->size == SG_SIZE_DRAWN) {
+            sums->ndrawn++;
+            continue;
+        }
+        const double s = eval(b, part->args[0]);
+        if (!good_size(s))
+            return fail(b, "the size of a part is negative or no number");
+        if (part->size == SG_SIZE_FLOATING) {
+            sums->floating += s;
+            sums->nfloating++;
+        } else {
+            sums->fixed += part->size == SG_SIZE_RELATIVE ? s : length > 0 ? s / length : s > 0 ? INFINITY : 0;
+        }
+    }
+    if (sums->nfloating > 0 && sums->ndrawn > 0)
+        return fail(b, "a split with both floating and drawn sizes");
+    if (sums->fixed > 1 + TOLERANCE)
+        return fail(b, "the parts of a split are larger than its scope");
+    sums->rest = sums->fixed < 1 ? 1 - sums->fixed : 0;
+    const bool filled = sums->ndrawn > 0 || sums->floating > 0 || sums->rest <= TOLERANCE;
+    return filled || length <= 0 ? SG_OK : fail(b, "the parts of a split do not fill its scope");
+}
+
+static double share_of(body *b, const sg_op *split, const sg_op *part, double length, const split_sums *sums,
+                       size_t *drawn)
+{
+    if (part->size == SG_SIZE_DRAWN) {
+        const sg_draw *draw = b->r->draws + split->draw;
+        return sums->rest * b->frame[b->nparams + draw->first_value + (*drawn)++];
+    }
+    const double s = eval(b, part->args[0]);
+    if (part->size == SG_SIZE_FLOATING)
+        return sums->floating > 0 ? sums->rest * s / sums->floating : 0;
+    return part->size == SG_SIZE_RELATIVE ? s : length > 0 ? s / length : 0;
+}
+
+static sg_status note_size(body *b, double share)
+{
+    sg_placer *p = b->p;
+    if (!SG_GROW(p->sizes, p->sizes_capacity, p->nsizes + 1))
+        return SG_FAIL_NOMEM(b->err);
+    p->sizes[p->nsizes++] = share;
+    return SG_OK;
+}
+
+static sg_status note_start(body *b)
+{
+    sg_placer *p = b->p;
+    if (!SG_GROW(p->starts, p->starts_capacity, p->nstarts + 1))
+        return SG_FAIL_NOMEM(b->err);
+    p->starts[p->nstarts++] = p->n;
+    return SG_OK;
+}
+
+/* The parts from mark on were placed bottom to top: turn the parts around, not what stands in each. */
+static void turn_parts(sg_placer *p, size_t mark, bool outermost)
+{
+    const size_t first = p->starts[mark], end = p->n;
+    reverse_range(p->items, first, end);
+    for (size_t k = mark; k < p->nstarts; k++) {
+        const size_t s = p->starts[k], e = k + 1 < p->nstarts ? p->starts[k + 1] : end;
+        reverse_range(p->items, first + (end - e), first + (end - s));
+    }
+    if (!outermost)
+        return;
+    for (size_t i = 0, j = p->nsizes; i + 1 < j; i++) {
+        const double swap = p->sizes[i];
+        p->sizes[i] = p->sizes[--j];
+        p->sizes[j] = swap;
+    }
+}
+
+static double length_along(sg_rect r, sg_axis axis)
+{
+    return axis == SG_AXIS_X ? r.x1 - r.x0 : r.y1 - r.y0;
+}
+
+static sg_status place_split(body *b, size_t at, sg_rect rect, bool outermost)
+{
+    const sg_op *split = b->r->ops + at;
+    if (split->axis == SG_AXIS_Z)
+        return fail(b, "a split along z is no label scene");
+    const double length = length_along(rect, split->axis);
+    const size_t mark = b->p->nstarts;
+    split_sums sums;
+    SG_TRY(sum_parts(b, split, length, &sums));
+    double reached = 0;
+    size_t drawn = 0, part = at + 1;
+    for (uint32_t k = 0; k < split->nparts; k++, part += b->r->ops[part].length) {
+        const sg_op *op = b->r->ops + part;
+        const double share = share_of(b, split, op, length, &sums, &drawn);
+        const double to = k + 1 == split->nparts ? 1 : fmin(reached + share, 1);
+        SG_TRY(note_start(b));
+        if (outermost)
+            SG_TRY(note_size(b, share));
+        SG_TRY(place_block(b, part + 1, part + op->length, piece(rect, split->axis, reached, to), false));
+        reached = to;
+    }
+    if (split->axis == SG_AXIS_Y && split->nparts > 0)
+        turn_parts(b->p, mark, outermost);
+    b->p->nstarts = mark;
+    return SG_OK;
+}
+
+static sg_status place_repeat(body *b, size_t at, sg_rect rect, bool outermost)
+{
+    const sg_op *op = b->r->ops + at;
+    if (op->axis == SG_AXIS_Z)
+        return fail(b, "a repeat along z is no label scene");
+    const size_t mark = b->p->nstarts;
+    size_t times = 0;
+    SG_TRY(sg_op_repeat_count(b->d->grammar, op, b->frame, b->n->depth, &times, b->err));
+    if (times == 0)
+        return fail(b, "a repeat of nothing leaves its scope empty");
+    const bool nested = b->in_repeat;
+    b->in_repeat = true;
+    for (size_t t = 0; t < times; t++) {
+        const sg_rect r = piece(rect, op->axis, (double)t / (double)times, (double)(t + 1) / (double)times);
+        SG_TRY(note_start(b));
+        if (outermost)
+            SG_TRY(note_size(b, 1 / (double)times));
+        SG_TRY(place_block(b, at + 1, at + op->length, r, false));
+    }
+    b->in_repeat = nested;
+    if (op->axis == SG_AXIS_Y)
+        turn_parts(b->p, mark, outermost);
+    b->p->nstarts = mark;
+    return SG_OK;
+}
+
+static sg_status place_op(body *b, size_t at, sg_rect rect, bool outermost)
+{
+    const sg_op *op = b->r->ops + at;
+    switch (op->kind) {
+    case SG_OP_SUCCESSOR:
+        return place_successor(b, op, rect);
+    case SG_OP_SPLIT:
+        return place_split(b, at, rect, outermost);
+    case SG_OP_REPEAT:
+        return place_repeat(b, at, rect, outermost);
+    case SG_OP_PUSH:
+        return place_block(b, at + 1, at + op->length, rect, outermost);
+    case SG_OP_PART:
+    case SG_OP_SHAPE:
+        break;
+    }
+    return fail(b, "a shape operation that is no split has no place in a label scene");
+}
+
+static sg_status place_block(body *b, size_t first, size_t end, sg_rect rect, bool outermost)
+{
+    if (first == end)
+        return fail(b, "an empty body leaves a hole in a label scene");
+    if (first + b->r->ops[first].length != end)
+        return fail(b, "more than one thing in one scope is no label scene");
+    return place_op(b, first, rect, outermost);
+}
+
+static sg_status find_children(body *b)
+{
+    sg_placer *p = b->p;
+    p->nchildren = 0;
+    for (size_t c = b->node + 1; c < b->node + b->n->length; c += b->d->nodes[c].length) {
+        if (!SG_GROW(p->children, p->children_capacity, p->nchildren + 1))
+            return SG_FAIL_NOMEM(b->err);
+        p->children[p->nchildren++] = c;
+    }
+    return SG_GROW(p->position, p->position_capacity, (size_t)b->r->nops + 1) ? SG_OK : SG_FAIL_NOMEM(b->err);
+}
+
+sg_status sg_placer_place(sg_placer *p, const sg_derivation *d, size_t node, sg_rect rect, sg_error *err)
+{
+    const sg_node *n = d->nodes + node;
+    body b = {.p = p, .d = d, .n = n, .node = node, .err = err};
+    p->nsizes = p->nstarts = 0;
+    if (n->rule == SG_NONE)
+        return fail(&b, "not derived yet");
+    if (n->rule == SG_RULE_EMPTY)
+        return fail(&b, "cut at the depth limit, where it has no completion");
+    b.r = sg_grammar_rule(d->grammar, n->rule);
+    b.frame = d->values + n->values;
+    b.nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
+    SG_TRY(find_children(&b));
+    return place_block(&b, 0, b.r->nops, rect, true);
+}

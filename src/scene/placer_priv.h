@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* placer_priv.h - one body of a split grammar, placed in a rectangle. The scene and the JSON form of derivations use it. */
+#ifndef SG_SCENE_PLACER_PRIV_H
+#define SG_SCENE_PLACER_PRIV_H
+
+#include "derivation/derivation.h"
+
+typedef struct {
+    double x0, y0, x1, y1; /* picture coordinates */
+} sg_rect;
+
+/** A child or a label in its place. */
+typedef struct {
+    sg_rect rect;
+    size_t node;  /* the child; for a label the node whose body it stands in */
+    sg_sym label; /* SG_NONE: a child */
+} sg_place;
+
+/** Work space: a zeroed one is empty. The owner may use items as its stack: placing only appends. */
+typedef struct sg_placer {
+    sg_place *items;
+    size_t n, items_capacity;
+    size_t nplaced;   /* since the last sg_placer_reset() */
+    size_t *children; /* stored children of the node */
+    size_t nchildren, children_capacity;
+    size_t *position; /* sg_op.child -> stored child */
+    size_t position_capacity;
+    size_t *starts;   /* of the parts of the splits being placed */
+    size_t nstarts, starts_capacity;
+    double *sizes;    /* relative sizes of the body's outermost split or repeat, in picture order; none: no split */
+    size_t nsizes, sizes_capacity;
+} sg_placer;
+
+void sg_placer_clear(sg_placer *p);
+void sg_placer_reset(sg_placer *p);
+
+/** Append what the body of `node` places in rect, in picture order: left to right, top to bottom.
+ *  @return SG_OK, SG_ENUMERIC (as sg_label_scene_interpret()), SG_ENOMEM */
+sg_status sg_placer_place(sg_placer *p, const sg_derivation *d, size_t node, sg_rect rect, sg_error *err);
+/** Turn items from `first` to the end around, so that the first one is on top of the stack. */
+void sg_placer_reverse(sg_placer *p, size_t first);
+/** Put a place of the owner's own in at `at`. @return SG_OK, SG_ENOMEM */
+sg_status sg_placer_insert(sg_placer *p, size_t at, sg_place place, sg_error *err);
+
+#endif

@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# sample-grammar as a user runs it: what is written, the same bytes for any number of threads, exit statuses.
+set -u
+: "${SG_SOURCE_DIR:?}" "${SG_BUILD_DIR:?}"
+sample=$SG_BUILD_DIR/src/sample-grammar
+grammars=$SG_SOURCE_DIR/data/grammars
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+fail() { printf '%s\n' "$*"; cat "$work/err" 2>/dev/null; exit 1; }
+
+expect() { # STATUS COMMAND...: the command ends with this status, and says why when it is not 0
+    local want=$1 got
+    shift
+    "$@" >"$work/out" 2>"$work/err"
+    got=$?
+    [ "$got" -eq "$want" ] || fail "status $got, not $want: $*"
+    [ "$want" -eq 0 ] || [ -s "$work/err" ] || fail "no word of what is wrong: $*"
+}
+
+# What a run writes.
+expect 0 "$sample" "$grammars/haussmann.sg" -n 3 -o "$work/a" --size 60x80 --sheet 2x2 --json "$work/a.json" --quiet
+for i in 1 2 3; do
+    for suffix in png rgb.png svg lat json; do
+        [ -s "$work/a/haussmann-000$i.$suffix" ] || fail "no haussmann-000$i.$suffix"
+    done
+done
+[ -s "$work/a/sheet.png" ] && [ -s "$work/a/classes.tsv" ] || fail "no sheet or no class table"
+[ "$(find "$work/a" -type f | wc -l)" -eq 17 ] || fail "other files than expected: $(ls -A "$work/a")"
+for class in window wall balcony door roof sky shop; do
+    grep -qP "^\d+\t$class\t#[0-9a-f]{6}\$" "$work/a/classes.tsv" || fail "no class $class"
+    grep -q "\"$class\"" "$work/a.json" || fail "no area of $class in the report"
+done
+[ "$(grep -c '"log_prior"' "$work/a.json")" -eq 3 ] || fail "the report has no three samples"
+head -c 8 "$work/a/haussmann-0001.lat" | grep -q '^lattice ' || fail "no lattice"
+
+# The same seed gives the same bytes, whatever the threads; another seed gives others.
+expect 0 "$sample" "$grammars/haussmann.sg" -n 3 -o "$work/b" --size 60x80 --sheet 2x2 --json "$work/b.json" --threads 2 --quiet
+expect 0 "$sample" "$grammars/haussmann.sg" -n 3 -o "$work/c" --size 60x80 --sheet 2x2 --json "$work/c.json" --threads 1
+diff -r "$work/a" "$work/b" >/dev/null || fail "two threads write other bytes"
+diff -r "$work/a" "$work/c" >/dev/null || fail "one thread writes other bytes"
+cmp -s "$work/b.json" "$work/c.json" || fail "the report depends on the threads"
+expect 0 "$sample" "$grammars/haussmann.sg" -n 3 -o "$work/d" --size 60x80 --seed 2 --sheet 2x2
+cmp -s "$work/a/haussmann-0001.png" "$work/d/haussmann-0001.png" && fail "another seed writes the same"
+# Sample i depends on the seed and i alone.
+expect 0 "$sample" "$grammars/haussmann.sg" -n 2 -o "$work/e" --size 60x80 --formats json,svg
+cmp -s "$work/a/haussmann-0002.json" "$work/e/haussmann-0002.json" || fail "a sample depends on their number"
+[ "$(find "$work/e" -type f | wc -l)" -eq 4 ] || fail "formats that were not asked for"
+
+# The data set layout.
+for grammar in arcade office haussmann; do
+    expect 0 "$sample" "$grammars/$grammar.sg" -n 2 -o "$work/set-$grammar" --dataset --name "x"
+    (cd "$work/set-$grammar" && find . -type f | sort | tr '\n' ' ') >"$work/list"
+    [ "$(cat "$work/list")" = "./classes.tsv ./labels/x-0001.png ./labels/x-0002.png " ] || fail "data set: $(cat "$work/list")"
+done
+expect 0 "$sample" "$grammars/arcade.sg" -o "$work/f" --dataset --formats labels,rgb --json -
+[ -s "$work/f/images/arcade-0001.png" ] || fail "no picture in the data set"
+grep -q '"philox4x32-10"' "$work/out" || fail "the report does not name its generator"
+
+# Help, version, wrong usage.
+expect 0 "$sample" --help
+[ "$(wc -l <"$work/out")" -le 35 ] && grep -q '^Example: ' "$work/out" || fail "help is no screen with an example"
+expect 0 "$sample" --version
+expect 2 "$sample"
+expect 2 "$sample" "$grammars/arcade.sg"
+expect 2 "$sample" "$grammars/arcade.sg" "$grammars/arcade.sg" -o "$work/g"
+for bad in "-n 0" "-n x" "--size 10" "--size 0x4" "--size 3x-4" "--size 40000x2" "--size 30000x30000" "--sheet 4" \
+    "--formats tiff" "--formats=" "--max-nodes 0" "--name a/b" "--threads 0" "--nonsense"; do
+    # shellcheck disable=SC2086
+    expect 2 "$sample" "$grammars/arcade.sg" -o "$work/g" $bad
+done
+[ ! -e "$work/g" ] || fail "wrong usage leaves a folder"
+
+# Bad grammars: the place is told.
+expect 3 "$sample" "$work/none.sg" -o "$work/g"
+printf 'label t\nstart S\nrule S -> split x { t | }\n' >"$work/bad.sg"
+expect 3 "$sample" "$work/bad.sg" -o "$work/g"
+grep -q 'bad.sg:3:' "$work/err" || fail "no line of the error"
+[ ! -e "$work/g" ] || fail "a bad grammar leaves a folder"
+
+# Work that fails: too many nodes, and what is no label scene. The path of the derivation is told.
+printf 'label t\nstart S\nrule S -> 0.99 : split x { S | S } -> 0.01 : t\n' >"$work/large.sg"
+expect 1 "$sample" "$work/large.sg" -o "$work/h" --max-nodes 1000
+grep -q 'sample 1: .*S > S > .*more than 1000 nodes' "$work/err" || fail "no path to the error"
+printf 'label t\nstart S\nrule S -> split z { t | t }\n' >"$work/deep.sg"
+expect 1 "$sample" "$work/deep.sg" -o "$work/h"
+
+# Outputs that cannot be written.
+expect 4 "$sample" "$grammars/arcade.sg" -o /dev/full
+expect 4 "$sample" "$grammars/arcade.sg" -o "$work/a.json/folder"
+expect 4 "$sample" "$grammars/arcade.sg" -o "$work/i" --json /dev/full
+expect 4 "$sample" "$grammars/arcade.sg" -o "$work/i" --json "$work/none/report.json"
+(ulimit -f 1 && expect 4 "$sample" "$grammars/arcade.sg" -o "$work/j" --formats svg,rgb --size 3000x3000) || exit 1
+[ -z "$(find "$work/j" -name '*.rgb.png*' -o -name '.*.png.*')" ] || fail "half a file is left: $(ls -A "$work/j")"
+if [ -e /dev/full ]; then
+    "$sample" "$grammars/arcade.sg" -o "$work/k" --json - >/dev/full 2>"$work/err"
+    [ $? -eq 4 ] || fail "a full standard output is not noticed"
+fi
+
+# The grammar is never overwritten.
+cp "$grammars/arcade.sg" "$work/arcade-0001.json"
+expect 2 "$sample" "$work/arcade-0001.json" -o "$work"
+cmp -s "$grammars/arcade.sg" "$work/arcade-0001.json" || fail "the grammar was overwritten"
+
+# An interrupt ends the run with what is there, all of it whole.
+"$sample" "$grammars/haussmann.sg" -n 100000 -o "$work/l" --formats svg,sheet --size 30x40 --quiet --json "$work/l.json" 2>"$work/err" &
+pid=$!
+for _ in $(seq 100); do
+    sleep 0.05
+    [ -e "$work/l/haussmann-0005.svg" ] && break
+done
+kill -INT "$pid"
+wait "$pid"
+[ $? -eq 5 ] || fail "an interrupt does not end with 5"
+[ -s "$work/l/sheet.png" ] && [ -s "$work/l.json" ] || fail "an interrupt loses what was found"
+[ -z "$(find "$work/l" -name '.*.svg.*')" ] || fail "an interrupt leaves half a file"
+n=$(grep -c '"log_prior"' "$work/l.json")
+[ "$n" -ge 5 ] && [ "$n" -eq "$(find "$work/l" -name '*.svg' | wc -l)" ] || fail "the report has $n samples"
+echo "sample-grammar: all well"

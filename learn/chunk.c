@@ -95,7 +95,7 @@ static size_t list_places(const sg_rules *r, uint32_t n, place *out)
         if (!is_split(x))
             continue;
         for (uint32_t at = 0; at + n <= x->n; at++) {
-            uint64_t hash = x->op;
+            uint64_t hash = sg_rules_mix(x->op);
             for (uint32_t k = 0; k < n; k++)
                 hash = sg_rules_mix(hash ^ r->rhs[x->first + at + k]);
             out[count++] = (place){hash, i, at};

@@ -6,6 +6,7 @@
 #include "core/arena.h"
 #include "core/random.h"
 #include "grammar/split.h"
+#include "parse/lattice.h"
 
 typedef struct {
     sg_split_form form;
@@ -40,6 +41,43 @@ static inline test_grammar test_random_grammar(gsl_rng *rng, sg_arena *a, uint32
     }
     return (test_grammar){{.name = "random", .nsymbols = nsymbols, .symbol_names = names, .nterminals = nterminals,
                            .terminal_names = terminals, .terminal_colors = colors, .nrules = n, .rules = rules}, counts};
+}
+
+/* A facade of w columns and some floors: sky, rows of windows with or without balconies below them, a shop; each cell is
+ * another label with probability `noise`. Boundaries are random. */
+static inline sg_lattice test_random_facade(gsl_rng *rng, sg_arena *a, double noise)
+{
+    static const char *labels[] = {"wall", "window", "balcony", "sky", "shop"};
+    const size_t w = 2 + gsl_rng_uniform_int(rng, 5), floors = 1 + gsl_rng_uniform_int(rng, 4);
+    const size_t first = gsl_rng_uniform_int(rng, 2);
+    uint16_t cells[16 * 16];
+    size_t h = 0;
+    for (size_t x = 0; x < w; x++)
+        cells[x] = 3;
+    h++;
+    for (size_t f = 0; f < floors; f++) {
+        const bool balcony = gsl_rng_uniform(rng) < 0.6;
+        for (size_t x = 0; x < w; x++) {
+            cells[h * w + x] = (x + first) % 2 == 0 ? 1 : 0;
+            cells[(h + 1) * w + x] = (x + first) % 2 == 0 && balcony ? 2 : 0;
+        }
+        h += balcony || gsl_rng_uniform(rng) < 0.5 ? 2 : 1;
+    }
+    for (size_t x = 0; x < w; x++)
+        cells[h * w + x] = 4;
+    h++;
+    for (size_t i = 0; i < w * h; i++)
+        if (gsl_rng_uniform(rng) < noise)
+            cells[i] = (uint16_t)gsl_rng_uniform_int(rng, 5);
+    sg_lattice l = {.width = w, .height = h, .nlabels = 5, .label_names = labels};
+    l.x = SG_NEW_ARRAY(a, uint32_t, w + 1);
+    l.y = SG_NEW_ARRAY(a, uint32_t, h + 1);
+    l.labels = sg_arena_copy(a, cells, w * h * sizeof *cells);
+    for (size_t i = 0; i < w; i++)
+        l.x[i + 1] = l.x[i] + 1 + (uint32_t)gsl_rng_uniform_int(rng, 20);
+    for (size_t i = 0; i < h; i++)
+        l.y[i + 1] = l.y[i] + 1 + (uint32_t)gsl_rng_uniform_int(rng, 20);
+    return l;
 }
 
 #endif

@@ -35,6 +35,8 @@ static const char help[] =
     "The search\n"
     "  --share HOW        rows that share a symbol at first: none, equal (default), collapsed\n"
     "  --no-regroup       no columns of neighbouring rows that correspond\n"
+    "  --compatible HOW   what may be merged: symbols that reach the same labels (labels), or\n"
+    "                     those of them whose rules are of the same kinds (kinds, default)\n"
     "  --search KIND      greedy (default), lookahead, beam, anneal\n"
     "  --patience N       lookahead, beam: steps without a new best (default 10)\n"
     "  --beam N           grammars side by side (default 5)\n"
@@ -50,7 +52,7 @@ static const char help[] =
 
 enum {
     OPT_NAMES = SG_OPT_OWN, OPT_FOLD, OPT_CLASSES, OPT_MAX_IMAGES, OPT_CELLS, OPT_ACCURACY, OPT_WEIGHT, OPT_DATA_TERM,
-    OPT_ALPHA, OPT_LENGTH_PRIOR, OPT_SHARE, OPT_NO_REGROUP, OPT_SEARCH, OPT_PATIENCE, OPT_BEAM, OPT_WALKS,
+    OPT_ALPHA, OPT_LENGTH_PRIOR, OPT_SHARE, OPT_NO_REGROUP, OPT_COMPATIBLE, OPT_SEARCH, OPT_PATIENCE, OPT_BEAM, OPT_WALKS,
     OPT_TEMPERATURE, OPT_CHUNK, OPT_REESTIMATE, OPT_TIED, OPT_INITIAL, OPT_REPORT
 };
 
@@ -67,6 +69,7 @@ static const struct option long_options[] = {
     {"length-prior", required_argument, NULL, OPT_LENGTH_PRIOR},
     {"share", required_argument, NULL, OPT_SHARE},
     {"no-regroup", no_argument, NULL, OPT_NO_REGROUP},
+    {"compatible", required_argument, NULL, OPT_COMPATIBLE},
     {"search", required_argument, NULL, OPT_SEARCH},
     {"patience", required_argument, NULL, OPT_PATIENCE},
     {"beam", required_argument, NULL, OPT_BEAM},
@@ -85,6 +88,7 @@ static const char *const data_terms[] = {"marginal", "viterbi", NULL};
 static const char *const length_priors[] = {"poisson", "none", NULL};
 static const char *const shares[] = {"none", "equal", "collapsed", NULL};
 static const char *const searches[] = {"greedy", "lookahead", "beam", "anneal", NULL};
+static const char *const compatibles[] = {"labels", "kinds", NULL};
 static const char *const moments[] = {"end", "every", NULL};
 
 typedef struct {
@@ -147,6 +151,11 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
         if (!sg_program_choice("--share", arg, shares, &i))
             return false;
         l->incorporate.share = (sg_share)i;
+        return true;
+    case OPT_COMPATIBLE:
+        if (!sg_program_choice("--compatible", arg, compatibles, &i))
+            return false;
+        l->same_axis = i == 1;
         return true;
     case OPT_SEARCH:
         if (!sg_program_choice("--search", arg, searches, &i))
@@ -285,6 +294,7 @@ static size_t list_settings(const options *o, sg_arena *a, sg_report_line *s)
     s[n++] = (sg_report_line){"length prior", length_priors[l->energy.poisson ? 0 : 1]};
     s[n++] = (sg_report_line){"shared rows", shares[l->incorporate.share]};
     s[n++] = (sg_report_line){"regrouping of rows", l->incorporate.regroup ? "yes" : "no"};
+    s[n++] = (sg_report_line){"mergeable", l->same_axis ? "same labels, same kinds of rules" : "same labels"};
     s[n++] = (sg_report_line){"search", searches[l->search.kind]};
     s[n++] = (sg_report_line){"chunks", l->search.chunk ? "yes" : "no"};
     s[n++] = (sg_report_line){"re-estimation", moments[l->reestimate_every ? 1 : 0]};

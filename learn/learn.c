@@ -76,13 +76,13 @@ static sg_status check_energy(const sg_learn_result *out, sg_error *err)
 static sg_status conclude(sg_rules *r, const sg_learn_opts *opts, sg_arena *arena, sg_learn_result *out, sg_error *err)
 {
     out->carried_energy = sg_rules_energy(r);
-    r->tied = opts->tied;
     SG_TRY(sg_rules_form(r, true, arena, &out->merged, NULL, &out->merged_counts, err));
     out->merged.name = "merged";
     SG_TRY(sg_energy_of_form(&opts->energy, &out->merged, out->merged_counts, &out->energy, err));
     SG_TRY(check_energy(out, err));
     SG_TRY(sg_finish(&out->merged, arena, &out->finished, err));
     out->finished.name = "learned";
+    out->finished.tied = opts->tied; /* merged is what was scored: each sibling by itself */
     return SG_OK;
 }
 

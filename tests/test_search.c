@@ -398,7 +398,7 @@ START_TEST(learning_gives_consistent_grammars)
     ck_ok(sg_learn(c.lattices, c.n, &o, c.arena, &r, &err));
     ck_ok(sg_learn(c.lattices, c.n, &o, c.arena, &again, &err));
     ck_assert_double_eq(r.energy.energy, again.energy.energy);
-    ck_assert(r.merged.tied && r.finished.tied);
+    ck_assert(!r.merged.tied && r.finished.tied);
     ck_assert_double_le(r.energy.energy, r.searched_energy + 1e-9 * fabs(r.searched_energy));
     for (size_t i = 0; i < r.merged.nrules; i++) {
         if (r.merged.rules[i].op == SG_SPLIT_LEXICAL)

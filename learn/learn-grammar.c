@@ -34,7 +34,9 @@ static const char help[] =
     "  --length-prior P   of right-hand sides: poisson (default) or none\n"
     "The search\n"
     "  --share HOW        rows that share a symbol at first: none, equal (default), collapsed\n"
-    "  --no-regroup       no columns of neighbouring rows that correspond\n"
+    "  --regroup HOW      neighbouring rows that become one row of columns: none, pairs that\n"
+    "                     correspond one to one, or floors (default): bands of any height\n"
+    "  --no-regroup       none\n"
     "  --compatible HOW   what may be merged: symbols that reach the same labels (labels), or\n"
     "                     those of them whose rules are of the same kinds (kinds, default)\n"
     "  --search KIND      greedy (default), lookahead, beam, anneal\n"
@@ -52,7 +54,7 @@ static const char help[] =
 
 enum {
     OPT_NAMES = SG_OPT_OWN, OPT_FOLD, OPT_CLASSES, OPT_MAX_IMAGES, OPT_CELLS, OPT_ACCURACY, OPT_WEIGHT, OPT_DATA_TERM,
-    OPT_ALPHA, OPT_LENGTH_PRIOR, OPT_SHARE, OPT_NO_REGROUP, OPT_COMPATIBLE, OPT_SEARCH, OPT_PATIENCE, OPT_BEAM, OPT_WALKS,
+    OPT_ALPHA, OPT_LENGTH_PRIOR, OPT_SHARE, OPT_REGROUP, OPT_NO_REGROUP, OPT_COMPATIBLE, OPT_SEARCH, OPT_PATIENCE, OPT_BEAM, OPT_WALKS,
     OPT_TEMPERATURE, OPT_CHUNK, OPT_REESTIMATE, OPT_TIED, OPT_INITIAL, OPT_REPORT
 };
 
@@ -68,6 +70,7 @@ static const struct option long_options[] = {
     {"alpha", required_argument, NULL, OPT_ALPHA},
     {"length-prior", required_argument, NULL, OPT_LENGTH_PRIOR},
     {"share", required_argument, NULL, OPT_SHARE},
+    {"regroup", required_argument, NULL, OPT_REGROUP},
     {"no-regroup", no_argument, NULL, OPT_NO_REGROUP},
     {"compatible", required_argument, NULL, OPT_COMPATIBLE},
     {"search", required_argument, NULL, OPT_SEARCH},
@@ -87,6 +90,7 @@ static const struct option long_options[] = {
 static const char *const data_terms[] = {"marginal", "viterbi", NULL};
 static const char *const length_priors[] = {"poisson", "none", NULL};
 static const char *const shares[] = {"none", "equal", "collapsed", NULL};
+static const char *const regroups[] = {"none", "pairs", "floors", NULL};
 static const char *const searches[] = {"greedy", "lookahead", "beam", "anneal", NULL};
 static const char *const compatibles[] = {"labels", "kinds", NULL};
 static const char *const moments[] = {"end", "every", NULL};
@@ -152,6 +156,11 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
             return false;
         l->incorporate.share = (sg_share)i;
         return true;
+    case OPT_REGROUP:
+        if (!sg_program_choice("--regroup", arg, regroups, &i))
+            return false;
+        l->incorporate.regroup = (sg_regroup_kind)i;
+        return true;
     case OPT_COMPATIBLE:
         if (!sg_program_choice("--compatible", arg, compatibles, &i))
             return false;
@@ -182,7 +191,7 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
         l->tied = true;
         return true;
     default: /* OPT_NO_REGROUP */
-        l->incorporate.regroup = false;
+        l->incorporate.regroup = SG_REGROUP_NONE;
         return true;
     }
 }
@@ -293,7 +302,7 @@ static size_t list_settings(const options *o, sg_arena *a, sg_report_line *s)
     s[n++] = (sg_report_line){"alpha", sg_arena_printf(a, "%g", l->energy.alpha)};
     s[n++] = (sg_report_line){"length prior", length_priors[l->energy.poisson ? 0 : 1]};
     s[n++] = (sg_report_line){"shared rows", shares[l->incorporate.share]};
-    s[n++] = (sg_report_line){"regrouping of rows", l->incorporate.regroup ? "yes" : "no"};
+    s[n++] = (sg_report_line){"regrouping of rows", regroups[l->incorporate.regroup]};
     s[n++] = (sg_report_line){"mergeable", l->same_axis ? "same labels, same kinds of rules" : "same labels"};
     s[n++] = (sg_report_line){"search", searches[l->search.kind]};
     s[n++] = (sg_report_line){"chunks", l->search.chunk ? "yes" : "no"};

@@ -33,7 +33,7 @@ static void start_case(corpus_case *c, int seed, size_t n, double noise, sg_shar
         c->lattices[i] = test_random_facade(c->rng, c->arena, noise);
     sg_incorporate_opts inc = SG_INCORPORATE_OPTS_INIT;
     inc.share = share;
-    inc.regroup = regroup;
+    inc.regroup = regroup ? SG_REGROUP_PAIRS + (unsigned)seed % 2 : SG_REGROUP_NONE;
     ck_ok(sg_incorporate(c->lattices, n, &inc, c->arena, &c->form, &c->counts, &err));
     ck_ok(sg_corpus_create(c->lattices, n, &c->form, c->arena, &c->corpus, &err));
     const sg_energy_opts o = SG_ENERGY_OPTS_INIT;

@@ -105,6 +105,18 @@ says err 'would overwrite its own input'
 expect 4 "$program" matrix matrix -o /dev/null/x --classes classes.tsv --base 1
 expect 4 "$program" matrix matrix -o x --classes classes.tsv --base 1 --json /dev/full
 absent nowhere
+# no file may have a byte: nothing half written is left
+mkdir full
+(
+    ulimit -f 0
+    "$program" matrix matrix -o full --classes classes.tsv --base 1 --quiet >/dev/null 2>&1
+    [ $? -eq 4 ]
+) || { echo "FAIL: a file size limit is not status 4"; failures=$((failures + 1)); }
+if [ -n "$(find full -type f)" ]; then
+    echo "FAIL: a file size limit left files:"
+    find full -type f
+    failures=$((failures + 1))
+fi
 expect 0 "$program" --help
 says out 'Example'
 [ "$(wc -l <out)" -le 40 ] || { echo "FAIL: help of more than a screen"; failures=$((failures + 1)); }

@@ -20,7 +20,8 @@ cflags=$(query --cflags) && libs=$(query --libs) || fail "pkg-config"
 
 headers=$(cd "$root/include/shapegram" && find . -name '*.h' | sed 's|^\./||' | sort)
 [ -n "$headers" ] || fail "no headers"
-for header in core/status.h core/random.h; do
+for header in core/status.h core/random.h grammar/grammar.h derivation/derivation.h image/image.h scene/label_scene.h \
+    parse/lattice.h parse/earley.h learn/merge.h; do
     grep -qx "$header" <<<"$headers" || fail "$header is not installed"
 done
 if grep -E '_priv\.h$' <<<"$headers"; then fail "private headers are installed"; fi
@@ -31,32 +32,45 @@ for header in $headers; do
 done
 
 cat >"$work/small.c" <<'C'
-#include "core/arena.h"
+/* Reads a grammar, samples it, and prints the number of rectangles. */
 #include "core/random.h"
-#include "core/file.h"
+#include "derivation/derivation.h"
+#include "scene/label_scene.h"
 #include <stdio.h>
 
-int main(void)
+int main(int argc, char **argv)
 {
-    sg_arena *arena = sg_arena_create();
-    gsl_rng *rng = sg_random_create(1);
-    const double u = sg_random_uniform(rng);
-    char *text = NULL;
-    size_t length = 0;
     sg_error err = SG_ERROR_INIT;
-    const sg_status st = sg_file_read("no such file.sg", 1000, arena, &text, &length, &err);
-    printf("%d %s\n", u > 0 && u < 1, err.msg);
+    sg_grammar *grammar = NULL;
+    sg_derivation derivation;
+    sg_label_scene scene = {0};
+    if (argc != 2 || sg_grammar_load(argv[1], &grammar, &err) != SG_OK) {
+        fprintf(stderr, "%s\n", err.msg);
+        return 1;
+    }
+    gsl_rng *rng = sg_random_create(1);
+    sg_derivation_init(&derivation, grammar);
+    sg_status st = sg_derivation_sample(&derivation, rng, 100000, &err);
+    if (st == SG_OK)
+        st = sg_label_scene_interpret(&scene, &derivation, 300, 400, &err);
+    printf("%zu rectangles\n", scene.nrects);
+    const int good = st == SG_OK && scene.nrects > 10;
+    sg_label_scene_clear(&scene);
+    sg_derivation_clear(&derivation);
     gsl_rng_free(rng);
-    sg_arena_free(arena);
-    return st == SG_EINPUT && text == NULL ? 0 : 1;
+    sg_grammar_free(grammar);
+    return good ? 0 : 1;
 }
 C
 # shellcheck disable=SC2086
 $SG_CC -std=c17 $cflags -o "$work/small" "$work/small.c" ${SG_LINK_FLAGS:-} $libs || fail "linking with: $libs"
-"$work/small" || fail "the small program failed"
+"$work/small" "$root/share/shapegram/grammars/haussmann.sg" || fail "the small program failed"
 
+for page in "$root"/share/man/man1/*.1; do
+    [ -x "$root/bin/$(basename "$page" .1)" ] || fail "$page is of no program"
+done
 for program in "$root"/bin/*; do
-    [ -e "$program" ] || continue
+    [ -f "$root/share/man/man1/${program##*/}.1" ] || fail "$program has no manual page"
     "$program" --version | grep -q shapegram || fail "$program --version"
 done
 

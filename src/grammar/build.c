@@ -169,7 +169,7 @@ static sg_status define_function(sg_builder *b, sg_ast_definition *d)
         return sg_build_fail_nomem(b);
     for (uint32_t i = 0; i < d->params.n; i++)
         slots[i] = SG_OPERAND(SG_IN_FRAME, i);
-    const sg_scope scope = {NULL, 0, NULL, false, "a function", &d->params, slots};
+    const sg_scope scope = {NULL, 0, NULL, true, "a function", &d->params, slots};
     sg_expr e = 0;
     SG_TRY(sg_build_expr(b, &scope, d->value, &e));
     b->functions[b->nfunctions] = d;

@@ -345,7 +345,8 @@ static sg_status build_named_draw(body *y, const sg_ast_item *item)
             return FAIL(y, item->at, "a second draw '%.60s' in this rule", item->name);
     if (item->args->kind != SG_AST_CALL || sg_distribution_find(item->args->name) == NULL)
         return FAIL(y, item->args->at,
-                    "expected a distribution: uniform, normal, truncated_normal, mixture or discrete");
+                    "found '%.60s'; expected a distribution: uniform, normal, truncated_normal, mixture or discrete",
+                    item->args->name != NULL ? item->args->name : "a number");
     return sg_build_draw(y->b, scope_for(y, "a parameter of a distribution"), item->args, item->name, &slot);
 }
 

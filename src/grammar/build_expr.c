@@ -175,6 +175,7 @@ static sg_status compile_call(assembler *as, const sg_scope *scope, const sg_ast
     inner.bound = &f->params;
     inner.operands = operands;
     inner.draws = NULL;
+    inner.no_depth = true; /* a function depends on its parameters alone */
     return compile(as, &inner, f->value, reg, out);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* earley_chart.c - the memory of a parse: the cells, the rectangles found, and the work spaces of corners in progress. */
+/* earley_chart.c - the memory of a parse: the cells, the rectangles found, and the work spaces of corners in progress.
+ */
 #include "config.h"
 
 #include "core/array.h"
@@ -32,9 +33,9 @@ static void free_level(sg_level *l, size_t height)
             free(l->rows[y]->head);
             free(l->rows[y]);
         }
-    void *const pieces[] = {l->in,      l->symbols, l->unit_symbols, l->leaves,      l->touched,  l->b,          l->b2,
-                            l->count,   l->olds,    l->rows,         l->limit,       l->lines,    l->values,     l->outside,
-                            l->slots,   l->links,   l->done_symbol,  l->done_end,    l->done_value, l->bounds, l};
+    void *const pieces[] = {l->in,    l->symbols, l->unit_symbols, l->leaves,   l->touched,    l->b,      l->b2,
+                            l->count, l->olds,    l->rows,         l->limit,    l->lines,      l->values, l->outside,
+                            l->slots, l->links,   l->done_symbol,  l->done_end, l->done_value, l->bounds, l};
     for (size_t i = 0; i < sizeof pieces / sizeof *pieces; i++)
         free(pieces[i]);
 }
@@ -74,10 +75,10 @@ size_t sg_chart_bytes(const sg_chart *c)
     size_t bytes = c->bytes + sg_arena_used(c->arena);
     for (size_t i = 0; i < c->nlevels; i++) {
         const sg_level *l = c->levels[i];
-        bytes += l->values_capacity + l->outside_capacity + l->lines_capacity * sizeof *l->lines
-                 + l->links_capacity * sizeof *l->links + l->nslots * sizeof *l->slots
-                 + l->olds_capacity * sizeof *l->olds
-                 + (l->done_symbol_capacity + l->done_end_capacity) * sizeof(uint32_t) + l->done_value_capacity;
+        bytes += l->values_capacity + l->outside_capacity + l->lines_capacity * sizeof *l->lines +
+                 l->links_capacity * sizeof *l->links + l->nslots * sizeof *l->slots +
+                 l->olds_capacity * sizeof *l->olds +
+                 (l->done_symbol_capacity + l->done_end_capacity) * sizeof(uint32_t) + l->done_value_capacity;
     }
     return bytes;
 }
@@ -100,13 +101,13 @@ static sg_level *new_level(sg_chart *c)
     l->limit = malloc(h * sizeof *l->limit);
     l->nslots = 64;
     l->slots = calloc(l->nslots, sizeof *l->slots);
-    if (l->in == NULL || l->symbols == NULL || l->unit_symbols == NULL || l->leaves == NULL || l->touched == NULL
-        || l->b == NULL || l->b2 == NULL || l->count == NULL || l->rows == NULL || l->limit == NULL
-        || l->slots == NULL) {
+    if (l->in == NULL || l->symbols == NULL || l->unit_symbols == NULL || l->leaves == NULL || l->touched == NULL ||
+        l->b == NULL || l->b2 == NULL || l->count == NULL || l->rows == NULL || l->limit == NULL || l->slots == NULL) {
         free_level(l, c->level_height);
         return NULL;
     }
-    c->bytes += sizeof *l + n * (1 + 4 * sizeof(uint32_t) + 2 * sizeof(sg_ext)) + h * (sizeof *l->rows + sizeof *l->limit);
+    c->bytes +=
+        sizeof *l + n * (1 + 4 * sizeof(uint32_t) + 2 * sizeof(sg_ext)) + h * (sizeof *l->rows + sizeof *l->limit);
     return l;
 }
 
@@ -145,8 +146,8 @@ sg_row *sg_chart_row(sg_chart *c)
 /* Levels and rows are made for the largest grammar and lattice so far. */
 static sg_status fit_levels(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_error *err)
 {
-    if (t->nsymbols <= c->level_symbols && t->nleaves <= c->level_leaves && cells->width <= c->level_width
-        && cells->height <= c->level_height)
+    if (t->nsymbols <= c->level_symbols && t->nleaves <= c->level_leaves && cells->width <= c->level_width &&
+        cells->height <= c->level_height)
         return SG_OK;
     sg_chart_drop_levels(c);
     c->level_symbols = t->nsymbols > c->level_symbols ? t->nsymbols : c->level_symbols;
@@ -186,7 +187,7 @@ static sg_status take_labels(sg_chart *c, const sg_parse_table *t, const sg_cell
 static sg_status sum_costs(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_error *err)
 {
     const size_t w = cells->width, h = cells->height, plane = (w + 1) * (h + 1);
-    c->cost_sums = SG_NEW_ARRAY(c->arena, long double, t->nterminals * plane);
+    c->cost_sums = SG_NEW_ARRAY(c->arena, long double, t->nterminals *plane);
     c->cost_holes = SG_NEW_ARRAY(c->arena, uint32_t, t->nterminals * plane);
     if (c->cost_sums == NULL || c->cost_holes == NULL)
         return SG_FAIL_NOMEM(err);
@@ -226,8 +227,8 @@ static sg_status take_costs(sg_chart *c, const sg_parse_table *t, const sg_cells
 sg_status sg_chart_begin(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_chart_kind kind, sg_error *err)
 {
     c->kind = SG_CHART_EMPTY;
-    if (cells->width == 0 || cells->height == 0 || cells->width > SG_EARLEY_MAX_SIDE
-        || cells->height > SG_EARLEY_MAX_SIDE)
+    if (cells->width == 0 || cells->height == 0 || cells->width > SG_EARLEY_MAX_SIDE ||
+        cells->height > SG_EARLEY_MAX_SIDE)
         return SG_FAIL(err, SG_EINVAL, "a lattice of %zu x %zu cells cannot be parsed: sides are 1 to %d", cells->width,
                        cells->height, SG_EARLEY_MAX_SIDE);
     if (t->tied_rules != NULL && cells->costs != NULL)
@@ -261,8 +262,8 @@ bool sg_chart_leaf_fits(const sg_chart *c, uint32_t x, uint32_t y, uint32_t x1, 
     if (c->labels == NULL)
         return true;
     for (uint32_t j = y; j < y1; j++)
-        if (c->runs[(size_t)j * c->width + x] < x1 - x
-            || c->labels[(size_t)j * c->width + x] != c->labels[(size_t)y * c->width + x])
+        if (c->runs[(size_t)j * c->width + x] < x1 - x ||
+            c->labels[(size_t)j * c->width + x] != c->labels[(size_t)y * c->width + x])
             return false;
     return true;
 }

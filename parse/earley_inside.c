@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* earley_inside.c - inside values, outside values, expected counts.
  *
- * Outside values flow from users to used. A rectangle is used as a later child by corners to its left or above it, and as
- * a first child at its own corner, by groups that were predicted later or by larger rectangles of its own group. So
+ * Outside values flow from users to used. A rectangle is used as a later child by corners to its left or above it, and
+ * as a first child at its own corner, by groups that were predicted later or by larger rectangles of its own group. So
  * corners go from the top left to the bottom right, groups of a corner backwards; each group makes its items again and
- * sweeps back over them. Source: Baker, "Trainable grammars for speech recognition" (1979), over the edges of the chart;
- * MATHEMATICS B1.2. */
+ * sweeps back over them. Source: Baker, "Trainable grammars for speech recognition" (1979), over the edges of the
+ * chart; MATHEMATICS B1.2. */
 #include "config.h"
 
 #include "core/array.h"
@@ -16,18 +16,19 @@
 #include <string.h>
 
 typedef sg_ext value;
-#define VALUE_ZERO sg_ext_zero()
-#define value_is_zero(v) sg_ext_is_zero(v)
-#define value_mul(a, b) sg_ext_mul((a), (b))
-#define value_add(a, b) sg_ext_add((a), (b))
+#define VALUE_ZERO          sg_ext_zero()
+#define value_is_zero(v)    sg_ext_is_zero(v)
+#define value_mul(a, b)     sg_ext_mul((a), (b))
+#define value_add(a, b)     sg_ext_add((a), (b))
 #define value_of_cost(cost) sg_ext_exp(-(cost))
-#define PREFIX_END_P(e) ((e).p)
-#define LEAF_P(leaf) ((leaf)->p)
-#define UNIT_P(u) ((u)->p)
-#define CLOSURE(c) ((c)->sum)
+#define PREFIX_END_P(e)     ((e).p)
+#define LEAF_P(leaf)        ((leaf)->p)
+#define UNIT_P(u)           ((u)->p)
+#define CLOSURE(c)          ((c)->sum)
 #include "parse/earley_walk.inc"
 
-sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_inside, sg_error *err)
+sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_inside,
+                           sg_error *err)
 {
     SG_TRY(sg_chart_begin(c, t, cells, SG_CHART_INSIDE, err));
     value v;
@@ -106,20 +107,22 @@ static bool pull(const backward *b, uint32_t node, uint32_t x1, uint32_t y1, sg_
     return true;
 }
 
-/* The same for a rule with tied siblings: the sum over all ways to place child i and those behind it of the outside value
- * of the whole times their inside values. before: the inside value of those before them. */
-static bool pull_tied(const backward *b, const sg_table_rule *r, uint32_t i, const corner *strip, sg_ext before, sg_ext *sum)
+/* The same for a rule with tied siblings: the sum over all ways to place child i and those behind it of the outside
+ * value of the whole times their inside values. before: the inside value of those before them. */
+static bool pull_tied(const backward *b, const sg_table_rule *r, uint32_t i, const corner *strip, sg_ext before,
+                      sg_ext *sum)
 {
     const sg_level *l = b->l;
     if (i == r->n) {
         const size_t slot = find_slot(l, r->tied_node, strip->across);
         if (l->slots[slot] != 0)
-            *sum = ((const sg_ext *)l->outside)[(size_t)(l->slots[slot] - 1) * l->stride + l->bounds[i] - l->bounds[0] - 1];
+            *sum = ((const sg_ext *)
+                        l->outside)[(size_t)(l->slots[slot] - 1) * l->stride + l->bounds[i] - l->bounds[0] - 1];
         return true;
     }
     if (r->first_of[i] != i)
-        return !sg_tied_repeats(b->w.c, r, i, l->bounds, l->x, l->y, strip->across)
-               || pull_tied(b, r, i + 1, strip, before, sum);
+        return !sg_tied_repeats(b->w.c, r, i, l->bounds, l->x, l->y, strip->across) ||
+               pull_tied(b, r, i + 1, strip, before, sum);
     const corner at = tied_corner(&b->w, l, strip, l->bounds[i]);
     sg_comps scratch;
     slice s = {0};
@@ -142,8 +145,8 @@ static bool pull_tied(const backward *b, const sg_table_rule *r, uint32_t i, con
 static bool pull_tied_rules(const backward *b, uint32_t s, uint32_t x1, uint32_t y1, sg_ext inside, sg_ext *sum)
 {
     const sg_parse_table *t = b->w.t;
-    for (uint32_t k = t->tied_rules != NULL ? t->tied_start[s] : 0;
-         t->tied_rules != NULL && k < t->tied_start[s + 1]; k++) {
+    for (uint32_t k = t->tied_rules != NULL ? t->tied_start[s] : 0; t->tied_rules != NULL && k < t->tied_start[s + 1];
+         k++) {
         const sg_table_rule *r = &t->rules[t->tied_rules[k]];
         if (b->l->in[r->lhs] != 1)
             continue;
@@ -356,8 +359,8 @@ static bool ready_back(const backward *b)
             return false;
     }
     const size_t n = l->nlines * l->stride;
-    if (!sg_array_grow(&l->outside, &l->outside_capacity, n * sizeof(sg_ext), 1)
-        || !sg_array_grow(&l->done_value, &l->done_value_capacity, b->w.t->units.largest * sizeof(sg_ext), 1))
+    if (!sg_array_grow(&l->outside, &l->outside_capacity, n * sizeof(sg_ext), 1) ||
+        !sg_array_grow(&l->done_value, &l->done_value_capacity, b->w.t->units.largest * sizeof(sg_ext), 1))
         return false;
     for (size_t i = 0; i < n; i++)
         ((sg_ext *)l->outside)[i] = sg_ext_zero();

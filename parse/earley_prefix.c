@@ -82,8 +82,7 @@ static sg_status allocate(sg_parse_table *t, size_t nnodes, size_t nrules, sg_er
     t->ends = sg_arena_alloc(t->arena, (nrules + 1) * sizeof *t->ends);
     t->root[0] = SG_NEW_ARRAY(t->arena, uint32_t, t->nsymbols);
     t->root[1] = SG_NEW_ARRAY(t->arena, uint32_t, t->nsymbols);
-    return t->nodes != NULL && t->ends != NULL && t->root[0] != NULL && t->root[1] != NULL ? SG_OK
-                                                                                            : SG_FAIL_NOMEM(err);
+    return t->nodes != NULL && t->ends != NULL && t->root[0] != NULL && t->root[1] != NULL ? SG_OK : SG_FAIL_NOMEM(err);
 }
 
 static void insert_all(sg_parse_table *t, const sort_item *items, size_t n, uint32_t *path)
@@ -103,8 +102,12 @@ static void add_tied_nodes(sg_parse_table *t)
         if (!r->used || r->first_of == NULL)
             continue;
         r->tied_node = (uint32_t)t->nnodes++;
-        t->nodes[r->tied_node] = (sg_prefix){.symbol = r->lhs, .lhs = r->lhs, .end = (uint32_t)t->nends, .nends = 1,
-                                             .lhs_mask = UINT64_C(1) << (r->lhs % 64), .axis = (uint32_t)r->op};
+        t->nodes[r->tied_node] = (sg_prefix){.symbol = r->lhs,
+                                             .lhs = r->lhs,
+                                             .end = (uint32_t)t->nends,
+                                             .nends = 1,
+                                             .lhs_mask = UINT64_C(1) << (r->lhs % 64),
+                                             .axis = (uint32_t)r->op};
         t->ends[t->nends++] = (sg_prefix_end){.lhs = r->lhs, .rule = i};
     }
 }

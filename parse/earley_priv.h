@@ -2,12 +2,12 @@
 /* earley_priv.h - what the files of the Earley parser share: the compiled grammar and the chart.
  *
  * The set of rectangles that a symbol derives from a corner, with their values, depends on grammar and cells alone and
- * not on who asks. So the parser is a memoised recursion over corners: predict() takes the symbols asked for at a corner
- * with their left-corner closure, computes all their rectangles in one sweep by increasing size, and is done with them.
- * Behind its first child an item asks at a corner that lies strictly to the right or below, so the recursion is at most
- * width + height deep, and what it returns is final. No edge is stored: outside values and the best derivation
- * enumerate them again. Right-hand sides with a common beginning share it (a trie over all rules of one direction), and
- * with it their items; an item with one child has that child's value and is not stored either. */
+ * not on who asks. So the parser is a memoised recursion over corners: predict() takes the symbols asked for at a
+ * corner with their left-corner closure, computes all their rectangles in one sweep by increasing size, and is done
+ * with them. Behind its first child an item asks at a corner that lies strictly to the right or below, so the recursion
+ * is at most width + height deep, and what it returns is final. No edge is stored: outside values and the best
+ * derivation enumerate them again. Right-hand sides with a common beginning share it (a trie over all rules of one
+ * direction), and with it their items; an item with one child has that child's value and is not stored either. */
 #ifndef SG_PARSE_EARLEY_PRIV_H
 #define SG_PARSE_EARLEY_PRIV_H
 
@@ -17,8 +17,8 @@
 
 #include <stdbool.h>
 
-#define SG_EARLEY_MAX_SIDE 4096 /* cells; ends are kept in 16 bits, and the recursion is that deep */
-#define SG_EARLEY_NEVER (UINT32_MAX / 4) /* least size of a symbol that derives nothing */
+#define SG_EARLEY_MAX_SIDE 4096             /* cells; ends are kept in 16 bits, and the recursion is that deep */
+#define SG_EARLEY_NEVER    (UINT32_MAX / 4) /* least size of a symbol that derives nothing */
 
 /* A node of the two tries of right-hand sides (split-x, split-y): a beginning of at least one rule. Node 0 is none. */
 typedef struct {
@@ -56,19 +56,19 @@ typedef struct {
 
 /* Symbols that unit rules join in a cycle, or one symbol without a cycle. */
 typedef struct {
-    uint32_t first, n;  /* sg_unit_graph.order[first .. first + n) */
-    sg_ext *sum;        /* [n][n] (1 - U)^-1, NULL for one symbol without a loop */
-    double *best;       /* [n][n] logs of the best chains, 0 on the diagonal */
-    uint32_t *next;     /* [n][n] best chain: the sg_unit of its first link */
+    uint32_t first, n; /* sg_unit_graph.order[first .. first + n) */
+    sg_ext *sum;       /* [n][n] (1 - U)^-1, NULL for one symbol without a loop */
+    double *best;      /* [n][n] logs of the best chains, 0 on the diagonal */
+    uint32_t *next;    /* [n][n] best chain: the sg_unit of its first link */
 } sg_unit_component;
 
 typedef struct {
     size_t nunits;
-    sg_unit *units;         /* by left-hand symbol, then right-hand symbol */
-    uint32_t *start;        /* [nsymbols + 1] into units */
-    uint32_t *order;        /* [nsymbols] what unit rules lead to stands before what they lead from */
-    uint32_t *rank;         /* [nsymbols] place in order */
-    uint32_t *component;    /* [nsymbols] */
+    sg_unit *units;      /* by left-hand symbol, then right-hand symbol */
+    uint32_t *start;     /* [nsymbols + 1] into units */
+    uint32_t *order;     /* [nsymbols] what unit rules lead to stands before what they lead from */
+    uint32_t *rank;      /* [nsymbols] place in order */
+    uint32_t *component; /* [nsymbols] */
     sg_unit_component *components;
     size_t ncomponents, largest;
 } sg_unit_graph;
@@ -78,7 +78,7 @@ typedef struct {
     sg_split_op op;
     const uint32_t *rhs;
     double p, log_p;
-    bool used; /* productive and reachable */
+    bool used;                /* productive and reachable */
     uint32_t nchildren;       /* stored in a derivation: n, but distinct symbols only where siblings are tied */
     uint32_t tied_node;       /* tied siblings: the node at which the whole right-hand side ends, else 0 */
     const uint32_t *first_of; /* [n] tied siblings: place of the first symbol that is equal */
@@ -128,9 +128,9 @@ typedef struct {
 typedef struct {
     uint32_t n;
     sg_comps_form form[2];
-    sg_ext *outside;   /* [n] by rows, or NULL */
-    uint32_t cursor;   /* of the backward sweep */
-    uint32_t leaf;     /* + 1; index of the sg_leaf that stands for all, or 0 */
+    sg_ext *outside; /* [n] by rows, or NULL */
+    uint32_t cursor; /* of the backward sweep */
+    uint32_t leaf;   /* + 1; index of the sg_leaf that stands for all, or 0 */
 } sg_comps;
 
 /* Symbols that were predicted together. */
@@ -167,22 +167,22 @@ typedef struct {
 /* Work space of one corner in progress; all of it is clean again when the corner is done. */
 typedef struct {
     uint32_t x, y, stride;
-    uint8_t *in;            /* [nsymbols] 1: in the group, 2: among the old ones */
-    uint64_t mask;          /* bit symbol % 64 of the group's */
-    uint32_t *symbols;      /* [nsymbols] the group */
+    uint8_t *in;       /* [nsymbols] 1: in the group, 2: among the old ones */
+    uint64_t mask;     /* bit symbol % 64 of the group's */
+    uint32_t *symbols; /* [nsymbols] the group */
     uint32_t nsymbols;
     uint32_t *unit_symbols; /* [nsymbols] those with unit rules, in the order of the closure */
     uint32_t nunit_symbols;
-    uint32_t *leaves;       /* [nleaves] lexical rules of the group that can apply */
+    uint32_t *leaves; /* [nleaves] lexical rules of the group that can apply */
     uint32_t nleaves;
-    uint32_t *touched;      /* [nsymbols] with a value at this rectangle */
+    uint32_t *touched; /* [nsymbols] with a value at this rectangle */
     uint32_t ntouched;
-    void *b;                /* [nsymbols] values at this rectangle */
-    void *b2;               /* [nsymbols] outside values at this rectangle */
-    uint32_t *count;        /* [nsymbols] */
+    void *b;         /* [nsymbols] values at this rectangle */
+    void *b2;        /* [nsymbols] outside values at this rectangle */
+    uint32_t *count; /* [nsymbols] */
     sg_old *olds;
     size_t nolds, olds_capacity;
-    sg_row **rows; /* [height + 1] by end; NULL: nothing ends there */
+    sg_row **rows;   /* [height + 1] by end; NULL: nothing ends there */
     uint16_t *limit; /* [height + 1] leaves end at most here */
     sg_line *lines;
     size_t nlines, lines_capacity;
@@ -206,17 +206,17 @@ struct sg_chart {
     sg_chart_kind kind;
     const sg_parse_table *table; /* of the last parse */
     uint32_t width, height;
-    sg_arena *arena;         /* lives until the next parse */
-    uint16_t *labels;        /* [height][width], or NULL: costs; labels that no rule makes are nterminals */
-    uint16_t *runs;          /* [height][width] region mode: cells of this label from here to the right */
-    double *costs;           /* cell mode: [nterminals][height][width] */
-    long double *cost_sums;  /* region mode: [nterminals][height + 1][width + 1] over the finite ones */
-    uint32_t *cost_holes;    /* region mode: the number of infinite ones, the same shape */
-    sg_comps ***index;       /* [height][width] -> [nsymbols]; NULL: not predicted */
-    sg_group **groups;       /* [height][width] */
-    uint16_t *iota;          /* [max side + 1] 0, 1, 2, ... */
+    sg_arena *arena;        /* lives until the next parse */
+    uint16_t *labels;       /* [height][width], or NULL: costs; labels that no rule makes are nterminals */
+    uint16_t *runs;         /* [height][width] region mode: cells of this label from here to the right */
+    double *costs;          /* cell mode: [nterminals][height][width] */
+    long double *cost_sums; /* region mode: [nterminals][height + 1][width + 1] over the finite ones */
+    uint32_t *cost_holes;   /* region mode: the number of infinite ones, the same shape */
+    sg_comps ***index;      /* [height][width] -> [nsymbols]; NULL: not predicted */
+    sg_group **groups;      /* [height][width] */
+    uint16_t *iota;         /* [max side + 1] 0, 1, 2, ... */
     size_t states;
-    double log_value;        /* of the axiom over all cells */
+    double log_value; /* of the axiom over all cells */
     sg_level **levels;
     size_t nlevels, levels_capacity;
     size_t level_symbols, level_leaves, level_width, level_height; /* what the levels are made for */
@@ -228,7 +228,8 @@ struct sg_chart {
 extern const sg_comps sg_no_comps;
 
 /** Check the cells, take what the parse needs of them, and empty the chart. */
-sg_status sg_chart_begin(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_chart_kind kind, sg_error *err);
+sg_status sg_chart_begin(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_chart_kind kind,
+                         sg_error *err);
 /** The work space of this depth, made when it is first needed; NULL when memory is out. */
 sg_level *sg_chart_level(sg_chart *c, size_t depth);
 /** A clean row, or NULL. */
@@ -240,8 +241,8 @@ double sg_chart_leaf_cost(const sg_chart *c, uint32_t terminal, uint32_t x, uint
 /** Whether a lexical rule may cover it. */
 bool sg_chart_leaf_fits(const sg_chart *c, uint32_t x, uint32_t y, uint32_t x1, uint32_t y1);
 
-/** Whether child i of a rule with tied siblings, that begins at bounds[i], repeats its first occurrence cell by cell; then
- *  bounds[i + 1] is set. The strip begins at (x, y) and has this end across. */
+/** Whether child i of a rule with tied siblings, that begins at bounds[i], repeats its first occurrence cell by cell;
+ * then bounds[i + 1] is set. The strip begins at (x, y) and has this end across. */
 bool sg_tied_repeats(const sg_chart *c, const sg_table_rule *r, uint32_t i, uint32_t *bounds, uint32_t x, uint32_t y,
                      uint32_t across);
 
@@ -270,7 +271,8 @@ static inline const sg_leaf *sg_table_leaf(const sg_parse_table *t, uint32_t sym
     return NULL;
 }
 
-/* After a Viterbi pass: the rectangles of a symbol from a corner with this end across the axis, by their ends along it. */
+/* After a Viterbi pass: the rectangles of a symbol from a corner with this end across the axis, by their ends along it.
+ */
 typedef struct {
     const uint16_t *along;
     const double *log_value;

@@ -47,7 +47,11 @@ static sg_status copy_rules(sg_parse_table *t, const sg_split_form *form, sg_err
         return SG_FAIL_NOMEM(err);
     for (size_t r = 0; r < form->nrules; r++) {
         const sg_split_rule *from = &form->rules[r];
-        t->rules[r] = (sg_table_rule){.lhs = from->lhs, .n = from->n, .op = from->op, .rhs = rhs, .nchildren = from->op == SG_SPLIT_LEXICAL ? 0 : from->n};
+        t->rules[r] = (sg_table_rule){.lhs = from->lhs,
+                                      .n = from->n,
+                                      .op = from->op,
+                                      .rhs = rhs,
+                                      .nchildren = from->op == SG_SPLIT_LEXICAL ? 0 : from->n};
         memcpy(rhs, from->rhs, from->n * sizeof *rhs);
         rhs += from->n;
         t->rule_start[from->lhs + 2]++;
@@ -81,8 +85,8 @@ static bool shrink(sg_parse_table *t, const sg_table_rule *r)
     }
     bool changed = false;
     for (int axis = 0; axis < 2; axis++)
-        if (size[SG_SPLIT_X] < SG_EARLEY_NEVER && size[SG_SPLIT_Y] < SG_EARLEY_NEVER
-            && size[axis] < t->min_size[axis][r->lhs]) {
+        if (size[SG_SPLIT_X] < SG_EARLEY_NEVER && size[SG_SPLIT_Y] < SG_EARLEY_NEVER &&
+            size[axis] < t->min_size[axis][r->lhs]) {
             t->min_size[axis][r->lhs] = size[axis];
             changed = true;
         }

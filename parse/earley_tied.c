@@ -2,12 +2,13 @@
 /* earley_tied.c - tied siblings: within one node equal symbols of the right-hand side share one derivation.
  *
  * Where the symbol has one derivation only, sharing changes nothing, and the rule is an ordinary one. Otherwise:
- * - over labels in cell mode a derivation fixes every cell that it covers, so the occurrences share one exactly when they
- *   are equal cell by cell; then all derivations of the one are derivations of the other, and the rectangle counts once.
- *   Such a rule is followed child by child with the cuts made so far (no trie: what may come depends on them). The work
- *   grows with the number of ways to place the distinct symbols, which labels keep small.
- * - in region mode and over costs the occurrences can differ in size and contents under one derivation. Their value is a
- *   sum over pairs of rectangles and does not factor over rectangles: there is no exact parse here, and the call says so. */
+ * - over labels in cell mode a derivation fixes every cell that it covers, so the occurrences share one exactly when
+ * they are equal cell by cell; then all derivations of the one are derivations of the other, and the rectangle counts
+ * once. Such a rule is followed child by child with the cuts made so far (no trie: what may come depends on them). The
+ * work grows with the number of ways to place the distinct symbols, which labels keep small.
+ * - in region mode and over costs the occurrences can differ in size and contents under one derivation. Their value is
+ * a sum over pairs of rectangles and does not factor over rectangles: there is no exact parse here, and the call says
+ * so. */
 #include "config.h"
 
 #include "parse/earley_priv.h"
@@ -34,7 +35,8 @@ static void find_rigid(const sg_parse_table *t, bool *rigid)
 }
 
 /* Place of the first equal symbol of each; whether any symbol with several derivations is repeated; how many differ. */
-static bool find_repeats(const sg_table_rule *r, const bool *rigid, uint32_t *first_seen, uint32_t *first_of, uint32_t *distinct)
+static bool find_repeats(const sg_table_rule *r, const bool *rigid, uint32_t *first_seen, uint32_t *first_of,
+                         uint32_t *distinct)
 {
     bool repeats = false;
     *distinct = 0;
@@ -62,8 +64,10 @@ static sg_status mark_rules(sg_parse_table *t, const sg_split_form *form, const 
         if (!find_repeats(r, rigid, first_seen, first_of, &distinct))
             continue;
         if (t->mode == SG_REGION_MODE)
-            return SG_FAIL(err, SG_EINVAL, "tied siblings: a rule of %s repeats a symbol with several derivations; there is "
-                           "no exact parse by regions", form->symbol_names[r->lhs]);
+            return SG_FAIL(err, SG_EINVAL,
+                           "tied siblings: a rule of %s repeats a symbol with several derivations; there is "
+                           "no exact parse by regions",
+                           form->symbol_names[r->lhs]);
         r->first_of = first_of;
         r->nchildren = distinct;
         t->longest_tied = r->n > t->longest_tied ? r->n : t->longest_tied;

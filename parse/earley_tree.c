@@ -87,7 +87,8 @@ static bool weigh_tied(extraction *x, const place *p, const strip *s, const sg_t
         return true;
     }
     if (r->first_of[i] != i)
-        return !sg_tied_repeats(x->c, r, i, x->bounds, p->x, p->y, s->across) || weigh_tied(x, p, s, r, i + 1, before, best);
+        return !sg_tied_repeats(x->c, r, i, x->bounds, p->x, p->y, s->across) ||
+               weigh_tied(x, p, s, r, i + 1, before, best);
     sg_viterbi_slice k;
     if (x->bounds[i] >= s->end)
         return true;
@@ -104,8 +105,8 @@ static bool weigh_tied(extraction *x, const place *p, const strip *s, const sg_t
 static bool weigh_tied_rule(extraction *x, const place *p, const sg_table_rule *r, double *v)
 {
     const strip s = strip_of(p, (uint32_t)r->op);
-    if (!SG_GROW(x->bounds, x->bounds_capacity, r->n + (size_t)1)
-        || !SG_GROW(x->best_bounds, x->best_bounds_capacity, r->n + (size_t)1))
+    if (!SG_GROW(x->bounds, x->bounds_capacity, r->n + (size_t)1) ||
+        !SG_GROW(x->best_bounds, x->best_bounds_capacity, r->n + (size_t)1))
         return false;
     *v = -INFINITY;
     x->bounds[0] = s.begin;
@@ -220,8 +221,8 @@ static bool push(extraction *x, const place *p, uint32_t axis, uint32_t symbol, 
 {
     if (!SG_GROW(x->stack, x->stack_capacity, x->nstack + 1))
         return false;
-    x->stack[x->nstack++] = axis == SG_SPLIT_X ? (place){symbol, begin, p->y, end, p->y1}
-                                               : (place){symbol, p->x, begin, p->x1, end};
+    x->stack[x->nstack++] =
+        axis == SG_SPLIT_X ? (place){symbol, begin, p->y, end, p->y1} : (place){symbol, p->x, begin, p->x1, end};
     return true;
 }
 
@@ -326,7 +327,8 @@ static void clear(extraction *x)
     free(x->best_bounds);
 }
 
-sg_status sg_earley_viterbi_tree(const sg_parse_table *t, sg_chart *c, sg_parse_node **nodes, size_t *nnodes, sg_error *err)
+sg_status sg_earley_viterbi_tree(const sg_parse_table *t, sg_chart *c, sg_parse_node **nodes, size_t *nnodes,
+                                 sg_error *err)
 {
     extraction x;
     const sg_status st = extract(t, c, &x, err);

@@ -124,8 +124,8 @@ sg_status sg_unit_graph_build(sg_parse_table *t, sg_error *err)
     return allocate_closures(t) ? SG_OK : SG_FAIL_NOMEM(err);
 }
 
-/* Symbols that derive something with rules of positive probability. A cycle of symbols that do not has value 0, whatever
- * its closure; its rules are left out, or the closure could be singular. */
+/* Symbols that derive something with rules of positive probability. A cycle of symbols that do not has value 0,
+ * whatever its closure; its rules are left out, or the closure could be singular. */
 static void find_live(const sg_parse_table *t, bool *live)
 {
     for (bool changed = true; changed;) {

@@ -10,18 +10,19 @@
 #include <string.h>
 
 typedef double value;
-#define VALUE_ZERO (-INFINITY)
-#define value_is_zero(v) ((v) == -INFINITY)
-#define value_mul(a, b) ((a) + (b))
-#define value_add(a, b) ((a) > (b) ? (a) : (b))
+#define VALUE_ZERO          (-INFINITY)
+#define value_is_zero(v)    ((v) == -INFINITY)
+#define value_mul(a, b)     ((a) + (b))
+#define value_add(a, b)     ((a) > (b) ? (a) : (b))
 #define value_of_cost(cost) (-(cost))
-#define PREFIX_END_P(e) ((e).log_p)
-#define LEAF_P(leaf) ((leaf)->log_p)
-#define UNIT_P(u) ((u)->log_p)
-#define CLOSURE(c) ((c)->best)
+#define PREFIX_END_P(e)     ((e).log_p)
+#define LEAF_P(leaf)        ((leaf)->log_p)
+#define UNIT_P(u)           ((u)->log_p)
+#define CLOSURE(c)          ((c)->best)
 #include "parse/earley_walk.inc"
 
-sg_status sg_earley_viterbi(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_viterbi, sg_error *err)
+sg_status sg_earley_viterbi(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_viterbi,
+                            sg_error *err)
 {
     SG_TRY(sg_chart_begin(c, t, cells, SG_CHART_VITERBI, err));
     if (!run(c) || !value_at(c, t->axiom, 0, 0, c->width, c->height, &c->log_value)) {

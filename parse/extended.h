@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* extended.h - non-negative numbers with the precision of a double and a range that no lattice leaves.
  *
- * A number is m * 2^(512 e). With so large a radix two numbers that are worth adding nearly always have one exponent, so
- * that an addition is one comparison dearer than a double's. The probability of a lattice of a thousand cells is far
+ * A number is m * 2^(512 e). With so large a radix two numbers that are worth adding nearly always have one exponent,
+ * so that an addition is one comparison dearer than a double's. The probability of a lattice of a thousand cells is far
  * below the least double; logarithms would cost an exponential and a logarithm for each of the edges of a chart. */
 #ifndef SG_PARSE_EXTENDED_H
 #define SG_PARSE_EXTENDED_H
@@ -17,7 +17,7 @@ typedef struct {
 } sg_ext;
 
 #define SG_EXT_ZERO_EXPONENT (-(1 << 29))
-#define SG_EXT_LOG_RADIX (512 * 0.693147180559945309417232121458)
+#define SG_EXT_LOG_RADIX     (512 * 0.693147180559945309417232121458)
 
 static inline sg_ext sg_ext_zero(void)
 {

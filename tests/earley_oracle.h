@@ -37,11 +37,16 @@ static inline void oracle_begin(oracle_grammar *g, uint32_t nsymbols, uint32_t n
     memset(g, 0, sizeof *g);
     memcpy(g->symbol_names, names, sizeof g->symbol_names);
     memcpy(g->terminal_names, labels, sizeof g->terminal_names);
-    g->form = (sg_split_form){.name = "random", .nsymbols = nsymbols, .symbol_names = g->symbol_names,
-                              .nterminals = nterminals, .terminal_names = g->terminal_names, .rules = g->rules};
+    g->form = (sg_split_form){.name = "random",
+                              .nsymbols = nsymbols,
+                              .symbol_names = g->symbol_names,
+                              .nterminals = nterminals,
+                              .terminal_names = g->terminal_names,
+                              .rules = g->rules};
 }
 
-static inline void oracle_rule(oracle_grammar *g, uint32_t lhs, sg_split_op op, uint32_t n, const uint32_t *rhs, double p)
+static inline void oracle_rule(oracle_grammar *g, uint32_t lhs, sg_split_op op, uint32_t n, const uint32_t *rhs,
+                               double p)
 {
     const size_t r = g->form.nrules++;
     memcpy(g->rhs[r], rhs, n * sizeof *rhs);
@@ -77,8 +82,8 @@ static inline void oracle_random_grammar(oracle_grammar *g, gsl_rng *rng)
 }
 
 /* Paint the rectangle by a derivation of the symbol that is chosen at random; false when none was found. */
-static inline bool oracle_paint(const oracle_grammar *g, sg_leaf_mode mode, oracle_cells *c, uint32_t symbol, uint32_t x,
-                                uint32_t y, uint32_t x1, uint32_t y1, int depth, gsl_rng *rng)
+static inline bool oracle_paint(const oracle_grammar *g, sg_leaf_mode mode, oracle_cells *c, uint32_t symbol,
+                                uint32_t x, uint32_t y, uint32_t x1, uint32_t y1, int depth, gsl_rng *rng)
 {
     uint32_t candidates[ORACLE_RULES], n = 0;
     for (uint32_t r = 0; r < g->form.nrules; r++)
@@ -113,14 +118,16 @@ static inline bool oracle_paint(const oracle_grammar *g, sg_leaf_mode mode, orac
     return false;
 }
 
-static inline void oracle_random_labels(const oracle_grammar *g, oracle_cells *c, size_t width, size_t height, gsl_rng *rng)
+static inline void oracle_random_labels(const oracle_grammar *g, oracle_cells *c, size_t width, size_t height,
+                                        gsl_rng *rng)
 {
     c->cells = (sg_cells){width, height, c->labels, NULL};
     for (size_t i = 0; i < width * height; i++)
         c->labels[i] = (uint16_t)oracle_below(rng, (uint32_t)g->form.nterminals);
 }
 
-static inline void oracle_random_costs(const oracle_grammar *g, oracle_cells *c, size_t width, size_t height, gsl_rng *rng)
+static inline void oracle_random_costs(const oracle_grammar *g, oracle_cells *c, size_t width, size_t height,
+                                       gsl_rng *rng)
 {
     c->cells = (sg_cells){width, height, NULL, c->costs};
     for (size_t i = 0; i < g->form.nterminals * width * height; i++)
@@ -143,8 +150,8 @@ static inline long double oracle_add(bool maximum, long double a, long double b)
     return maximum ? (a > b ? a : b) : a + b;
 }
 
-static inline long double oracle_leaf(const sg_cells *c, sg_leaf_mode mode, uint32_t terminal, size_t x, size_t y, size_t x1,
-                                      size_t y1)
+static inline long double oracle_leaf(const sg_cells *c, sg_leaf_mode mode, uint32_t terminal, size_t x, size_t y,
+                                      size_t x1, size_t y1)
 {
     if (mode == SG_CELL_MODE && (x1 != x + 1 || y1 != y + 1))
         return 0;
@@ -159,7 +166,8 @@ static inline long double oracle_leaf(const sg_cells *c, sg_leaf_mode mode, uint
     return expl(-cost);
 }
 
-static inline long double oracle_split(const oracle_table *t, const sg_split_rule *r, size_t x, size_t y, size_t x1, size_t y1)
+static inline long double oracle_split(const oracle_table *t, const sg_split_rule *r, size_t x, size_t y, size_t x1,
+                                       size_t y1)
 {
     const size_t begin = r->op == SG_SPLIT_X ? x : y, end = r->op == SG_SPLIT_X ? x1 : y1;
     long double d[ORACLE_SIDE + 1] = {0};
@@ -170,8 +178,8 @@ static inline long double oracle_split(const oracle_table *t, const sg_split_rul
             for (size_t b = a + 1; b <= end; b++) {
                 if (d[a] == 0 || (a == begin && b == end))
                     continue;
-                const long double v = r->op == SG_SPLIT_X ? t->value[a][y][b][y1][r->rhs[i]]
-                                                          : t->value[x][a][x1][b][r->rhs[i]];
+                const long double v =
+                    r->op == SG_SPLIT_X ? t->value[a][y][b][y1][r->rhs[i]] : t->value[x][a][x1][b][r->rhs[i]];
                 e[b] = oracle_add(t->maximum, e[b], d[a] * v);
             }
         memcpy(d, e, sizeof d);
@@ -197,8 +205,7 @@ static inline void oracle_rectangle(oracle_table *t, size_t x, size_t y, size_t 
         memcpy(next, base, sizeof next);
         for (size_t r = 0; r < f->nrules; r++)
             if (f->rules[r].op != SG_SPLIT_LEXICAL && f->rules[r].n == 1)
-                next[f->rules[r].lhs] =
-                    oracle_add(t->maximum, next[f->rules[r].lhs], t->p[r] * b[f->rules[r].rhs[0]]);
+                next[f->rules[r].lhs] = oracle_add(t->maximum, next[f->rules[r].lhs], t->p[r] * b[f->rules[r].rhs[0]]);
         changed = false;
         for (size_t s = 0; s < f->nsymbols; s++)
             changed |= next[s] - b[s] > 1e-18L * next[s];
@@ -207,7 +214,8 @@ static inline void oracle_rectangle(oracle_table *t, size_t x, size_t y, size_t 
 }
 
 /* log of the sum over derivations, or of the maximum. */
-static inline double oracle_parse(const oracle_grammar *g, const sg_cells *cells, sg_leaf_mode mode, bool maximum, const double *p)
+static inline double oracle_parse(const oracle_grammar *g, const sg_cells *cells, sg_leaf_mode mode, bool maximum,
+                                  const double *p)
 {
     oracle_table *t = calloc(1, sizeof *t);
     *t = (oracle_table){.g = g, .cells = cells, .mode = mode, .maximum = maximum, .p = p};
@@ -264,8 +272,8 @@ static inline void oracle_close(oracle_brute *b)
 
 static inline long double oracle_brute_sum(const oracle_brute *b, uint32_t s, size_t x, size_t y, size_t x1, size_t y1);
 
-static inline long double oracle_brute_rest(const oracle_brute *b, const sg_split_rule *r, uint32_t i, size_t x, size_t y,
-                                            size_t x1, size_t y1)
+static inline long double oracle_brute_rest(const oracle_brute *b, const sg_split_rule *r, uint32_t i, size_t x,
+                                            size_t y, size_t x1, size_t y1)
 {
     if (i + 1 == r->n)
         return oracle_brute_sum(b, r->rhs[i], x, y, x1, y1);
@@ -273,8 +281,8 @@ static inline long double oracle_brute_rest(const oracle_brute *b, const sg_spli
     const size_t begin = r->op == SG_SPLIT_X ? x : y, end = r->op == SG_SPLIT_X ? x1 : y1;
     for (size_t cut = begin + 1; cut < end; cut++) {
         const bool along_x = r->op == SG_SPLIT_X;
-        const long double first = along_x ? oracle_brute_sum(b, r->rhs[i], x, y, cut, y1)
-                                          : oracle_brute_sum(b, r->rhs[i], x, y, x1, cut);
+        const long double first =
+            along_x ? oracle_brute_sum(b, r->rhs[i], x, y, cut, y1) : oracle_brute_sum(b, r->rhs[i], x, y, x1, cut);
         if (first > 0)
             sum += first * (along_x ? oracle_brute_rest(b, r, i + 1, cut, y, x1, y1)
                                     : oracle_brute_rest(b, r, i + 1, x, cut, x1, y1));
@@ -289,14 +297,15 @@ static inline long double oracle_brute_sum(const oracle_brute *b, uint32_t s, si
         const sg_split_rule *rule = &b->g->rules[r];
         if (b->closure[s][rule->lhs] == 0 || (rule->op != SG_SPLIT_LEXICAL && rule->n == 1))
             continue;
-        sum += b->closure[s][rule->lhs] * b->p[r]
-               * (rule->op == SG_SPLIT_LEXICAL ? oracle_leaf(b->cells, b->mode, rule->rhs[0], x, y, x1, y1)
-                                               : oracle_brute_rest(b, rule, 0, x, y, x1, y1));
+        sum += b->closure[s][rule->lhs] * b->p[r] *
+               (rule->op == SG_SPLIT_LEXICAL ? oracle_leaf(b->cells, b->mode, rule->rhs[0], x, y, x1, y1)
+                                             : oracle_brute_rest(b, rule, 0, x, y, x1, y1));
     }
     return sum;
 }
 
-static inline double oracle_enumerate(const oracle_grammar *g, const sg_cells *cells, sg_leaf_mode mode, const double *p)
+static inline double oracle_enumerate(const oracle_grammar *g, const sg_cells *cells, sg_leaf_mode mode,
+                                      const double *p)
 {
     oracle_brute b = {.g = g, .cells = cells, .mode = mode, .p = p};
     oracle_close(&b);
@@ -305,7 +314,8 @@ static inline double oracle_enumerate(const oracle_grammar *g, const sg_cells *c
 
 /* ---- tied siblings in cell mode: within a node equal symbols have equal cells and count once ---- */
 
-static inline bool oracle_equal_cells(const sg_cells *c, size_t x, size_t y, size_t x1, size_t y1, size_t to_x, size_t to_y)
+static inline bool oracle_equal_cells(const sg_cells *c, size_t x, size_t y, size_t x1, size_t y1, size_t to_x,
+                                      size_t to_y)
 {
     for (size_t j = 0; j < y1 - y; j++)
         for (size_t i = 0; i < x1 - x; i++)
@@ -314,10 +324,11 @@ static inline bool oracle_equal_cells(const sg_cells *c, size_t x, size_t y, siz
     return true;
 }
 
-static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, uint32_t s, size_t x, size_t y, size_t x1, size_t y1);
+static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, uint32_t s, size_t x, size_t y,
+                                          size_t x1, size_t y1);
 
-static inline long double oracle_tied_rest(const oracle_brute *b, bool maximum, const sg_split_rule *r, uint32_t i, size_t *cut,
-                                           size_t x, size_t y, size_t x1, size_t y1)
+static inline long double oracle_tied_rest(const oracle_brute *b, bool maximum, const sg_split_rule *r, uint32_t i,
+                                           size_t *cut, size_t x, size_t y, size_t x1, size_t y1)
 {
     const bool along_x = r->op == SG_SPLIT_X;
     const size_t end = along_x ? x1 : y1;
@@ -331,7 +342,8 @@ static inline long double oracle_tied_rest(const oracle_brute *b, bool maximum, 
         if (i == 0 && e == end && r->n > 1)
             break;
         cut[i + 1] = e;
-        const size_t cx = along_x ? cut[i] : x, cy = along_x ? y : cut[i], cx1 = along_x ? e : x1, cy1 = along_x ? y1 : e;
+        const size_t cx = along_x ? cut[i] : x, cy = along_x ? y : cut[i], cx1 = along_x ? e : x1,
+                     cy1 = along_x ? y1 : e;
         if (first < i) {
             const size_t fx = along_x ? cut[first] : x, fy = along_x ? y : cut[first];
             if (e - cut[i] == cut[first + 1] - cut[first] && oracle_equal_cells(b->cells, cx, cy, cx1, cy1, fx, fy))
@@ -346,7 +358,8 @@ static inline long double oracle_tied_rest(const oracle_brute *b, bool maximum, 
 }
 
 /* The closure is of sums: with maximum the grammar must have no unit rules. */
-static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, uint32_t s, size_t x, size_t y, size_t x1, size_t y1)
+static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, uint32_t s, size_t x, size_t y,
+                                          size_t x1, size_t y1)
 {
     long double sum = 0;
     for (size_t r = 0; r < b->g->form.nrules; r++) {
@@ -354,9 +367,10 @@ static inline long double oracle_tied_sum(const oracle_brute *b, bool maximum, u
         size_t cut[ORACLE_RHS + 1] = {rule->op == SG_SPLIT_X ? x : y};
         if (b->closure[s][rule->lhs] == 0 || (rule->op != SG_SPLIT_LEXICAL && rule->n == 1))
             continue;
-        sum = oracle_add(maximum, sum, b->closure[s][rule->lhs] * b->p[r]
-                         * (rule->op == SG_SPLIT_LEXICAL ? oracle_leaf(b->cells, b->mode, rule->rhs[0], x, y, x1, y1)
-                                                         : oracle_tied_rest(b, maximum, rule, 0, cut, x, y, x1, y1)));
+        sum = oracle_add(maximum, sum,
+                         b->closure[s][rule->lhs] * b->p[r] *
+                             (rule->op == SG_SPLIT_LEXICAL ? oracle_leaf(b->cells, b->mode, rule->rhs[0], x, y, x1, y1)
+                                                           : oracle_tied_rest(b, maximum, rule, 0, cut, x, y, x1, y1)));
     }
     return sum;
 }

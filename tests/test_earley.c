@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_earley.c - the 2D Earley parser against a tabular algorithm and brute force, on random grammars with unit cycles,
- * left recursion, ambiguity and symbols that derive nothing; its derivations, counts, and its range of values. */
+/* test_earley.c - the 2D Earley parser against a tabular algorithm and brute force, on random grammars with unit
+ * cycles, left recursion, ambiguity and symbols that derive nothing; its derivations, counts, and its range of values.
+ */
 #include "parse/earley.h"
 #include "tests/earley_oracle.h"
 #include "tests/support.h"
@@ -162,7 +163,8 @@ START_TEST(costs_take_the_place_of_labels)
 END_TEST
 
 /* Score a tree by its rules and leaves, and check that it is one: symbols, extents, order, counts. */
-static size_t check_tree(const fixture *f, const sg_parse_node *nodes, size_t at, uint32_t symbol, double *score, double *counts)
+static size_t check_tree(const fixture *f, const sg_parse_node *nodes, size_t at, uint32_t symbol, double *score,
+                         double *counts)
 {
     const sg_parse_node *node = &nodes[at];
     const sg_split_rule *r = &f->g.rules[node->rule];
@@ -291,8 +293,8 @@ static void check_counts(fixture *f, int _i)
         probe[r] = f->p[r] * exp(-2 * h);
         const double down2 = oracle_parse(&f->g, &f->c.cells, f->mode, false, probe);
         const double want = (8 * (up - down) - (up2 - down2)) / (12 * h);
-        ck_assert_msg(fabs(counts[r] - want) <= 1e-7 * (1 + fabs(want)), "rule %zu: %.12g, finite difference %.12g (_i %d)",
-                      r, counts[r], want, _i);
+        ck_assert_msg(fabs(counts[r] - want) <= 1e-7 * (1 + fabs(want)),
+                      "rule %zu: %.12g, finite difference %.12g (_i %d)", r, counts[r], want, _i);
     }
 }
 

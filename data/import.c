@@ -134,7 +134,8 @@ static sg_status look_at_photo(job *j, item *it, sg_error *err)
         return SG_OK;
     SG_TRY(sg_import_find_photo(folder, name, it->source->path, j->im.scratch, &it->photo, err));
     if (it->photo == NULL)
-        return SG_FAIL(err, SG_EINPUT, "%s: there is no photograph %s/%s.jpg (or .png)", it->source->path, folder, name);
+        return SG_FAIL(err, SG_EINPUT, "%s: there is no photograph %s/%s.jpg (or .png)", it->source->path, folder,
+                       name);
     SG_TRY(sg_photo_read(it->photo, &im, err));
     it->photo_size = (sg_import_size){im.width, im.height};
     sg_image_clear(&im);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { FILE_LIMIT = 1 << 29, MIN_ARC = 16, MAX_ARC = 4096 }; /* bytes: photographs may be in them; corners of a circle */
+enum { FILE_LIMIT = 1 << 29, MIN_ARC = 16, MAX_ARC = 4096 }; /* bytes (photographs may be in them); corners of a circle */
 
 typedef struct {
     const char *type, *label;

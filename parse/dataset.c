@@ -24,7 +24,8 @@ static void report_unknown(sg_dataset_check *c, const char *path, const sighting
         if (seen[v].count == 0)
             continue;
         if (named++ < MAX_VALUES_NAMED)
-            sg_dataset_fault(c, "%s: label %u is not in the class table (%zu pixel%s, the first at column %zu, row %zu)",
+            sg_dataset_fault(c,
+                             "%s: label %u is not in the class table (%zu pixel%s, the first at column %zu, row %zu)",
                              path, v, seen[v].count, seen[v].count == 1 ? "" : "s", seen[v].x, seen[v].y);
         else
             more++;

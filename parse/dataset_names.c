@@ -94,7 +94,8 @@ static sg_status note_name(list *l, const char *name, bool *fresh, sg_error *err
 /* Which part a word means; -1 for none. */
 static int parse_part(const char *word)
 {
-    static const char *const words[] = {[SG_SPLIT_TRAIN] = "train", [SG_SPLIT_VALID] = "valid", [SG_SPLIT_TEST] = "test"};
+    static const char *const words[] = {
+        [SG_SPLIT_TRAIN] = "train", [SG_SPLIT_VALID] = "valid", [SG_SPLIT_TEST] = "test"};
     for (int i = 0; i < 3; i++)
         if (strcmp(words[i], word) == 0)
             return i;

@@ -234,8 +234,8 @@ static void make_files(void)
     sg_float_map_clear(&v);
 }
 
-/* Each allocation fails once: the call says so and nothing leaks (AddressSanitizer), or it did without (a piece of memory
- * that could not be made smaller). */
+/* Each allocation fails once: the call says so and nothing leaks (AddressSanitizer), or it did without (a piece of
+ * memory that could not be made smaller). */
 START_TEST(lack_of_memory_is_a_status)
 {
     const operation *o = &operations[_i];
@@ -249,7 +249,8 @@ START_TEST(lack_of_memory_is_a_status)
         const sg_status st = o->run(&err);
         if (!test_allocation_failed())
             break;
-        ck_assert_msg(st == SG_ENOMEM || st == SG_OK, "%s: allocation %zu: status %d: %s", o->name, k, (int)st, err.msg);
+        ck_assert_msg(st == SG_ENOMEM || st == SG_OK, "%s: allocation %zu: status %d: %s", o->name, k, (int)st,
+                      err.msg);
         ndone_without += st == SG_OK;
         ck_assert_msg(st == SG_OK || strcmp(err.msg, "out of memory") == 0, "%s: %s", o->name, err.msg);
     }

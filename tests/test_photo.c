@@ -128,7 +128,7 @@ START_TEST(bad_photographs_are_refused_by_name)
 }
 END_TEST
 
-/* 8 x 8 pixels of one colour each, coded as coarsely as can be: grey 100; CMYK as Adobe writes it, red; RGB in many scans. */
+/* 8 x 8 pixels of one colour each, coded as coarsely as can be: grey; CMYK as Adobe writes it; RGB in many scans. */
 static const struct {
     const char *hex;
     int rgb[3];

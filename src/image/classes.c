@@ -110,7 +110,8 @@ static sg_status read_line(sg_lines *lines, listing *l, sg_error *err)
     if (l->name[index] != NULL)
         return sg_lines_fail(lines, field[0], err, "index %zu stands twice in the table", index);
     if (!is_good_name(field[1]))
-        return sg_lines_fail(lines, field[1], err, "'%.80s' is no class name: it must be one word, not beginning with #", field[1]);
+        return sg_lines_fail(lines, field[1], err,
+                             "'%.80s' is no class name: it must be one word, not beginning with #", field[1]);
     if (!parse_color(field[2], &color))
         return sg_lines_fail(lines, field[2], err, "'%.80s' is no colour (#rrggbb)", field[2]);
     l->name[index] = field[1];
@@ -155,7 +156,8 @@ sg_status sg_classes_create(size_t n, const char *const *names, const uint32_t *
     listing l = {{NULL}, {0}};
     for (size_t i = 0; i < n; i++) {
         if (!is_good_name(names[i]))
-            return SG_FAIL(err, SG_EINVAL, "'%s' is no class name: it must be one word, not beginning with #", names[i]);
+            return SG_FAIL(err, SG_EINVAL, "'%s' is no class name: it must be one word, not beginning with #",
+                           names[i]);
         l.name[i] = names[i];
         l.color[i] = colors[i] & 0xffffff;
     }

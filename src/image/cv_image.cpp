@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* cv_image.cpp - OpenCV behind cv_image.h. Every function runs its work under guarded(), which lets no exception out. */
+/* cv_image.cpp - OpenCV behind cv_image.h. Every function works under guarded(), which lets no exception out. */
 #include "config.h"
 
 #include "image/cv_image.h"

@@ -34,7 +34,7 @@ sg_status sg_label_map_create(size_t width, size_t height, sg_label_map *out, sg
 void sg_image_clear(sg_image *im);
 void sg_label_map_clear(sg_label_map *m);
 
-/** Give a label to the pixels whose centres lie in a polygon, by the even-odd rule; parts outside the map are cut off. A
+/** Give a label to the pixels whose centres lie in a polygon, by the even-odd rule; parts outside are cut off. A
  *  centre on the outline belongs to the polygon at its left and top sides only, so neighbours tile without overlap.
  *  @param xy  [n][2] corners in px, x to the right and y down, (0,0) the upper left corner of the upper left pixel
  *  @return SG_OK, SG_EINVAL (fewer than 3 corners, a coordinate that is no number or over 1e6), SG_ENOMEM

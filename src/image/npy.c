@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* npy.c - NumPy array files: a magic, a version, and a header that is a Python dictionary of three keys, then the values.
+/* npy.c - NumPy array files: a magic, a version, a header that is a Python dictionary of three keys,
+ * and the values.
  * Source: NumPy Enhancement Proposal 1, "A simple file format for NumPy arrays". */
 #include "config.h"
 
@@ -204,7 +205,8 @@ static void write_header(FILE *fp, const sg_float_map *m)
     const int n = snprintf(text, sizeof text, "{'descr': '<f4', 'fortran_order': False, 'shape': (%zu, %zu, %zu), }",
                            m->channels, m->height, m->width);
     const size_t length = ((size_t)n + 1 + 10 + 63) / 64 * 64 - 10; /* the values begin at a multiple of 64 bytes */
-    const unsigned char h[10] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, (unsigned char)length, (unsigned char)(length >> 8)};
+    const unsigned char low = (unsigned char)length, high = (unsigned char)(length >> 8);
+    const unsigned char h[10] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, low, high};
     fwrite(h, 1, sizeof h, fp);
     fprintf(fp, "%-*s\n", (int)length - 1, text);
 }

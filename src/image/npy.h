@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* npy.h - per-pixel values as NumPy array files (INTERFACES 4): 32-bit floats, shape (channels, height, width), C order. */
+/* npy.h - per-pixel values as NumPy array files (INTERFACES 4): 32-bit floats, shape (channels, height, width) in C
+ * order. */
 #ifndef SG_IMAGE_NPY_H
 #define SG_IMAGE_NPY_H
 

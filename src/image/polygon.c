@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* polygon.c - polygons into label maps, row by row.
- * OpenCV's fillPoly() is not used: it rounds corners to rows and draws the outline too, so a hand-drawn facade gains half
- * a pixel on each side, and two that share a side overlap. */
+ * OpenCV's fillPoly() is not used: it rounds corners to rows and draws the outline too, so a hand-drawn facade gains
+ * half a pixel on each side, and two that share a side overlap. */
 #include "config.h"
 
 #include "image/image.h"

@@ -164,6 +164,11 @@ sg_status sg_chunk_best(const sg_rules *r, sg_chunk *out, bool *found, sg_error 
 
 /* ---- applying ---- */
 
+static uint64_t chunk_kinds(const sg_rules *r, sg_split_op op)
+{
+    return r->by_kinds ? (uint64_t)1 << op : 0;
+}
+
 static uint32_t label_set_of(sg_rules *r, sg_split_op op, const uint32_t *rhs, uint32_t n)
 {
     const size_t w = r->label_words;
@@ -173,7 +178,7 @@ static uint32_t label_set_of(sg_rules *r, sg_split_op op, const uint32_t *rhs, u
     for (uint32_t i = 0; i < n; i++)
         for (size_t j = 0; j < w; j++)
             words[j] |= r->label_sets[r->symbols[rhs[i]].label_set * w + j];
-    words[w - 1] = r->same_axis ? (uint64_t)1 << op : 0;
+    words[w - 1] = chunk_kinds(r, op);
     const uint32_t set = sg_rules_label_set(r, words);
     free(words);
     return set;
@@ -254,6 +259,7 @@ sg_status sg_chunk_apply(sg_rules *r, const sg_chunk *c, const char *name, uint3
     if (new_rule == SG_NONE || !sg_changes_add_rule(&r->changes, new_rule)
         || !sg_changes_add_symbol(&r->changes, *symbol))
         return SG_FAIL_NOMEM(err);
+    r->symbols[*symbol].kinds = chunk_kinds(r, c->op);
     for (uint32_t i = 0; i < had; i++) {
         const sg_learn_rule *x = &r->rules[i];
         const uint32_t m = is_split(x) && x->op == c->op ? count_in_rule(r, x, c->rhs, c->n) : 0;

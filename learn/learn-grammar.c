@@ -37,8 +37,9 @@ static const char help[] =
     "  --regroup HOW      neighbouring rows that become one row of columns: none, pairs that\n"
     "                     correspond one to one, or floors (default): bands of any height\n"
     "  --no-regroup       none\n"
-    "  --compatible HOW   what may be merged: symbols that reach the same labels (labels), or\n"
-    "                     those of them whose rules are of the same kinds (kinds, default)\n"
+    "  --compatible HOW   what may be merged: symbols that reach the same labels (labels), with\n"
+    "                     rules of the same kinds too (kinds, default), of about the same\n"
+    "                     size too (sizes)\n"
     "  --search KIND      greedy (default), lookahead, beam, anneal\n"
     "  --patience N       lookahead, beam: steps without a new best (default 10)\n"
     "  --beam N           grammars side by side (default 5)\n"
@@ -92,7 +93,7 @@ static const char *const length_priors[] = {"poisson", "none", NULL};
 static const char *const shares[] = {"none", "equal", "collapsed", NULL};
 static const char *const regroups[] = {"none", "pairs", "floors", NULL};
 static const char *const searches[] = {"greedy", "lookahead", "beam", "anneal", NULL};
-static const char *const compatibles[] = {"labels", "kinds", NULL};
+static const char *const compatibles[] = {"labels", "kinds", "sizes", NULL};
 static const char *const moments[] = {"end", "every", NULL};
 
 typedef struct {
@@ -164,7 +165,7 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
     case OPT_COMPATIBLE:
         if (!sg_program_choice("--compatible", arg, compatibles, &i))
             return false;
-        l->same_axis = i == 1;
+        l->compatible = (sg_compatible)i;
         return true;
     case OPT_SEARCH:
         if (!sg_program_choice("--search", arg, searches, &i))
@@ -303,7 +304,7 @@ static size_t list_settings(const options *o, sg_arena *a, sg_report_line *s)
     s[n++] = (sg_report_line){"length prior", length_priors[l->energy.poisson ? 0 : 1]};
     s[n++] = (sg_report_line){"shared rows", shares[l->incorporate.share]};
     s[n++] = (sg_report_line){"regrouping of rows", regroups[l->incorporate.regroup]};
-    s[n++] = (sg_report_line){"mergeable", l->same_axis ? "same labels, same kinds of rules" : "same labels"};
+    s[n++] = (sg_report_line){"compatible for a merge", compatibles[l->compatible]};
     s[n++] = (sg_report_line){"search", searches[l->search.kind]};
     s[n++] = (sg_report_line){"chunks", l->search.chunk ? "yes" : "no"};
     s[n++] = (sg_report_line){"re-estimation", moments[l->reestimate_every ? 1 : 0]};

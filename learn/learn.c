@@ -94,8 +94,8 @@ static sg_status learn(const sg_corpus *corpus, const sg_learn_opts *opts, sg_ar
     const sg_reestimate_opts plain = {false, false};
     SG_TRY(sg_reestimator_create(corpus, &plain, &e, err));
     sg_status st = sg_rules_create(&r, &out->initial, out->initial_counts, &opts->energy, arena, err);
-    if (st == SG_OK && opts->same_axis)
-        st = sg_rules_keep_axes(&r, err);
+    if (st == SG_OK)
+        st = sg_rules_restrict(&r, opts->compatible, &out->initial, out->initial_counts, err);
     if (st == SG_OK)
         st = search(&r, e, opts, out, err);
     if (st == SG_OK || st == SG_STOPPED) {

@@ -3,6 +3,7 @@
 #ifndef SG_LEARN_LEARN_H
 #define SG_LEARN_LEARN_H
 
+#include "learn/compatible.h"
 #include "learn/energy.h"
 #include "learn/incorporate.h"
 #include "learn/search.h"
@@ -12,12 +13,12 @@ typedef struct {
     sg_energy_opts energy;
     sg_search_opts search; /* its `every` is set here */
     bool reestimate_every; /* by Earley parsing after each accepted step; else once, at the end */
-    bool same_axis;        /* merge only symbols whose rules are of the same kinds: sg_rules_keep_axes() */
+    sg_compatible compatible; /* what may be merged */
     bool tied;             /* the learned grammar declares tied siblings */
 } sg_learn_opts;
 
 #define SG_LEARN_OPTS_INIT                                                                                             \
-    {SG_INCORPORATE_OPTS_INIT, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, true, false}
+    {SG_INCORPORATE_OPTS_INIT, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, SG_COMPATIBLE_KINDS, false}
 
 /** Everything is in the arena, but for the history. */
 typedef struct {

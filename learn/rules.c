@@ -361,10 +361,8 @@ sg_status sg_rules_find_labels(sg_rules *r, sg_error *err)
         return SG_FAIL_NOMEM(err);
     while (spread_labels(r, reach)) {
     }
-    const size_t axes = r->label_words - 1;
-    for (size_t i = 0; i < r->nrules && r->same_axis; i++)
-        if (r->rules[i].alive)
-            reach[r->rules[i].lhs * r->label_words + axes] |= (uint64_t)1 << r->rules[i].op;
+    for (size_t s = 0; s < r->nsymbols; s++)
+        reach[(s + 1) * r->label_words - 1] = r->symbols[s].kinds;
     sg_status st = SG_OK;
     r->nlabel_sets = 0;
     for (size_t s = 0; s < r->nsymbols && st == SG_OK; s++) {
@@ -376,12 +374,6 @@ sg_status sg_rules_find_labels(sg_rules *r, sg_error *err)
     }
     free(reach);
     return st;
-}
-
-sg_status sg_rules_keep_axes(sg_rules *r, sg_error *err)
-{
-    r->same_axis = true;
-    return sg_rules_find_labels(r, err);
 }
 
 /* ---- from and to the split form ---- */

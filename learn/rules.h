@@ -49,6 +49,7 @@ typedef struct {
     uint32_t version;             /* changes with nrules and count */
     uint32_t merged;              /* dead symbols: the symbol it became, or SG_NONE */
     uint64_t members;             /* sum of random words of the symbols merged into it */
+    uint64_t kinds;               /* what else must be equal for a merge (compatible.h); 0: nothing */
     uint32_t stamp;               /* scratch mark */
     bool alive;
 } sg_learn_symbol;
@@ -86,9 +87,9 @@ typedef struct {
     size_t nblocks, blocks_capacity;
     uint32_t *buckets[3]; /* [op][n], lexical: [op][terminal]: first rule */
     size_t nbuckets[3];
-    uint64_t *label_sets; /* [nlabel_sets][label_words]; the last word is for axes, see sg_rules_keep_axes() */
+    uint64_t *label_sets; /* [nlabel_sets][label_words]; the last word: sg_learn_symbol.kinds */
     size_t nlabel_sets, label_sets_capacity, label_words;
-    bool same_axis;
+    bool by_kinds; /* symbols have kinds: compatible.h */
 
     size_t live_symbols, live_rules[3];
     size_t rhs_total;   /* T: lengths of the living non-lexical rules */
@@ -173,10 +174,6 @@ void sg_rules_set_count(sg_rules *r, uint32_t rule, double count);
 void sg_rules_refresh_symbol(sg_rules *r, uint32_t symbol);
 /** Compute anew which labels each symbol reaches. @return SG_OK, SG_ENOMEM */
 sg_status sg_rules_find_labels(sg_rules *r, sg_error *err);
-/** From now on symbols are compatible only if their rules are of the same kinds too: a band of rows (split-x) is then not
- *  merged with a column (split-y) that reaches the same labels, which the plain condition of the paper allows.
- *  @return SG_OK, SG_ENOMEM */
-sg_status sg_rules_keep_axes(sg_rules *r, sg_error *err);
 /** Number of a label set, added when it is new; SG_NONE when memory is out. */
 uint32_t sg_rules_label_set(sg_rules *r, const uint64_t *words);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_incorporate.c - lattices to the initial grammar, and the merged grammar to the finished one. */
 #include "core/file.h"
+#include "learn/compatible.h"
 #include "learn/finish.h"
 #include "learn/incorporate.h"
 #include "learn/report.h"
@@ -288,6 +289,39 @@ START_TEST(a_report_shows_the_grammar)
 }
 END_TEST
 
+/* R -> split-x wall window over the whole width; C -> split-y, D -> split-y of the same labels, D a tenth as high. */
+START_TEST(compatible_means_labels_then_kinds_then_sizes)
+{
+    const char *const names[] = {"S", "R", "C", "D", "wall", "window"};
+    const char *const labels[] = {"wall", "window"};
+    const uint32_t colors[] = {0, 0};
+    const uint32_t s1[] = {1, 2, 3}, pair[] = {4, 5}, t0[] = {0}, t1[] = {1};
+    const double heights[] = {0.5, 0.45, 0.05}, halves[] = {0.5, 0.5}, counts[] = {1, 1, 1, 1, 3, 3};
+    const sg_split_rule rules[] = {
+        {0, SG_SPLIT_Y, 3, s1, 1.0, 1, heights, NULL, NULL, SG_NONE},
+        {1, SG_SPLIT_X, 2, pair, 1.0, 1, halves, NULL, NULL, SG_NONE},
+        {2, SG_SPLIT_Y, 2, pair, 1.0, 1, halves, NULL, NULL, SG_NONE},
+        {3, SG_SPLIT_Y, 2, pair, 1.0, 1, halves, NULL, NULL, SG_NONE},
+        {4, SG_SPLIT_LEXICAL, 1, t0, 1.0, 0, NULL, NULL, NULL, SG_NONE},
+        {5, SG_SPLIT_LEXICAL, 1, t1, 1.0, 0, NULL, NULL, NULL, SG_NONE},
+    };
+    const sg_split_form f = {.name = "m", .nsymbols = 6, .symbol_names = names, .nterminals = 2,
+                             .terminal_names = labels, .terminal_colors = colors, .nrules = 6, .rules = rules};
+    const sg_energy_opts energy = SG_ENERGY_OPTS_INIT;
+    const bool want[3][2] = {{true, true}, {false, true}, {false, false}}; /* R with C, C with D */
+    for (int what = SG_COMPATIBLE_LABELS; what <= SG_COMPATIBLE_SIZES; what++) {
+        sg_rules r = {0};
+        ck_ok(sg_rules_create(&r, &f, counts, &energy, arena, &err));
+        ck_ok(sg_rules_restrict(&r, (sg_compatible)what, &f, counts, &err));
+        ck_assert_int_eq(sg_rules_compatible(&r, 1, 2), want[what][0]);
+        ck_assert_int_eq(sg_rules_compatible(&r, 2, 3), want[what][1]);
+        ck_assert(!sg_rules_compatible(&r, 0, 1));
+        ck_assert(!sg_rules_compatible(&r, 4, 5));
+        sg_rules_clear(&r);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("incorporate");
@@ -304,6 +338,7 @@ int main(void)
     tcase_add_test(tc, finishing_keeps_storeys_and_drops_self_rules);
     tcase_add_test(tc, fitted_sizes_are_shrunk_and_proper);
     tcase_add_test(tc, a_report_shows_the_grammar);
+    tcase_add_test(tc, compatible_means_labels_then_kinds_then_sizes);
     suite_add_tcase(suite, tc);
     return test_run(suite);
 }

@@ -44,7 +44,8 @@ sg_status sg_simplex_create(sg_arena *arena, size_t k, const double *mean, const
     double *covariance_copy = sg_arena_copy(arena, covariance, n * n * sizeof *covariance);
     if (s == NULL || factor == NULL || weight == NULL || sd == NULL || mean_copy == NULL || covariance_copy == NULL)
         return SG_FAIL_NOMEM(err);
-    if (n > 0 && LAPACKE_dpotrf(LAPACK_ROW_MAJOR, 'L', (lapack_int)n, factor, (lapack_int)n) != 0)
+    /* The upper triangle by columns is the lower one by rows; so said, LAPACKE needs no transposed copy. */
+    if (n > 0 && LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'U', (lapack_int)n, factor, (lapack_int)n) != 0)
         return SG_FAIL(err, SG_ENUMERIC, "the covariance of the sizes is not positive definite");
     condition(factor, n, weight, sd);
     *s = (sg_simplex){k, mean_copy, covariance_copy, weight, sd};

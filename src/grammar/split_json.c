@@ -375,7 +375,7 @@ sg_status sg_split_form_read_json(const char *text, size_t length, const char *n
     const sg_source source = {name, text, length};
     json_t *root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &at);
     if (root == NULL)
-        return json_error_code(&at) == json_error_out_of_memory
+        return at.text[0] == '\0' || json_error_code(&at) == json_error_out_of_memory /* it says nothing then */
                    ? SG_FAIL_NOMEM(err)
                    : sg_source_fail(&source, (sg_pos){at.position > 0 ? (uint32_t)at.position - 1 : 0, 0}, err, "%s",
                                     at.text);

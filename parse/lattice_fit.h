@@ -98,7 +98,7 @@ sg_status sg_lattice_fit_accuracy(sg_lattice_problem *p, double accuracy, sg_are
                                      sg_error *err);
 
 /** The price of a cell, the same share of every map, at which lattices of all maps together have a wanted mean size or
- *  accuracy: what a set of maps can be shown with best. Bisection to one per cent; one start a fit.
+ *  accuracy: what a set of maps can be shown with best. Bisection to one per cent.
  *  @param problems  [n]; threads work on different ones
  *  @param cells     the largest mean number of cells a map, or 0
  *  @param accuracy  with cells 0: the least mean accuracy

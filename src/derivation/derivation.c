@@ -95,18 +95,33 @@ sg_status sg_derivation_open(sg_derivation *d, sg_sym symbol, const double *args
     return SG_OK;
 }
 
-void sg_derivation_shift(sg_derivation *d, size_t first, size_t before, ptrdiff_t nodes, size_t first_value,
-                         ptrdiff_t values, size_t first_uniform, ptrdiff_t uniforms)
+/* Right siblings of the node and of its ancestors are the only nodes behind it whose parent stands in front of it. */
+static void shift_parents(sg_derivation *d, size_t node, ptrdiff_t by)
 {
-    if (nodes == 0 && values == 0 && uniforms == 0)
-        return;
-    for (size_t i = first; i < d->nnodes; i++) {
-        sg_node *n = d->nodes + i;
-        n->values = (uint32_t)((ptrdiff_t)n->values + values);
-        n->uniforms = (uint32_t)((ptrdiff_t)n->uniforms + uniforms);
-        if (i - n->parent < before)
-            n->parent = (uint32_t)((ptrdiff_t)n->parent + nodes);
+    while (d->nodes[node].parent != 0) {
+        const size_t parent = node - d->nodes[node].parent, end = parent + d->nodes[parent].length;
+        for (size_t c = node + d->nodes[node].length; c < end; c += d->nodes[c].length)
+            d->nodes[c].parent = (uint32_t)((ptrdiff_t)d->nodes[c].parent + by);
+        node = parent;
     }
+}
+
+static void shift_offsets(sg_derivation *d, size_t first, ptrdiff_t values, ptrdiff_t uniforms)
+{
+    for (size_t i = first; i < d->nnodes; i++) {
+        d->nodes[i].values = (uint32_t)((ptrdiff_t)d->nodes[i].values + values);
+        d->nodes[i].uniforms = (uint32_t)((ptrdiff_t)d->nodes[i].uniforms + uniforms);
+    }
+}
+
+void sg_derivation_shift(sg_derivation *d, size_t node, ptrdiff_t nodes, size_t first_value, ptrdiff_t values,
+                         size_t first_uniform, ptrdiff_t uniforms)
+{
+    const size_t first = node + d->nodes[node].length;
+    if (values != 0 || uniforms != 0)
+        shift_offsets(d, first, values, uniforms);
+    if (nodes != 0)
+        shift_parents(d, node, nodes);
     move_items(d->nodes, first, nodes, d->nnodes, sizeof *d->nodes);
     move_items(d->values, first_value, values, d->nvalues, sizeof *d->values);
     move_items(d->uniforms, first_uniform, uniforms, d->nuniforms, sizeof *d->uniforms);
@@ -156,8 +171,8 @@ sg_status sg_derivation_splice(sg_derivation *d, size_t node, const sg_derivatio
                                  growth(slice->nvalues, old_values), err));
     const ptrdiff_t more = (ptrdiff_t)slice->nnodes - (ptrdiff_t)old_nodes;
     const uint32_t parent = d->nodes[node].parent, depth = d->nodes[node].depth - slice->nodes[0].depth; /* mod 2^32 */
-    sg_derivation_shift(d, e.node_end, e.node, more, e.value_end, (ptrdiff_t)slice->nvalues - (ptrdiff_t)old_values,
-                        e.uniform_end, (ptrdiff_t)slice->nuniforms - (ptrdiff_t)old_uniforms);
+    sg_derivation_shift(d, node, more, e.value_end, (ptrdiff_t)slice->nvalues - (ptrdiff_t)old_values, e.uniform_end,
+                        (ptrdiff_t)slice->nuniforms - (ptrdiff_t)old_uniforms);
     copy_items(d->uniforms + e.uniform, slice->uniforms, slice->nuniforms, sizeof *d->uniforms);
     copy_items(d->values + e.value, slice->values, slice->nvalues, sizeof *d->values);
     for (size_t i = 0; i < slice->nnodes; i++) {

@@ -28,11 +28,6 @@ static sg_status add_child(listing *l, size_t op)
     return SG_OK;
 }
 
-static bool is_child(const listing *l, const sg_op *op)
-{
-    return op->kind == SG_OP_SUCCESSOR && sg_grammar_symbol(l->g, op->symbol)->kind == SG_SYMBOL_NONTERMINAL;
-}
-
 /* Recurses once a nested repeat. */
 static sg_status list_block(listing *l, size_t first, size_t end, bool in_repeat)
 {
@@ -45,7 +40,7 @@ static sg_status list_block(listing *l, size_t first, size_t end, bool in_repeat
             for (size_t t = 0; t < times; t++)
                 SG_TRY(list_block(l, i + 1, i + op->length, true));
             i += op->length - 1;
-        } else if (is_child(l, op)) {
+        } else if (op->kind == SG_OP_SUCCESSOR && op->child != SG_NONE) { /* a label is no child */
             if (!in_repeat && op->child < l->next_id)
                 continue; /* tied to one before it */
             if (!in_repeat)

@@ -17,13 +17,23 @@ static inline const sg_rule *sg_node_rule(const sg_derivation *d, const sg_node 
 /** Room for that many more nodes, uniforms and values. @return SG_OK, SG_ENOMEM */
 sg_status sg_derivation_reserve(sg_derivation *d, size_t nodes, size_t uniforms, size_t values, sg_error *err);
 
+/** The same without a call where there is room already: once a node in every hot loop. */
+static inline sg_status sg_derivation_room(sg_derivation *d, size_t nodes, size_t uniforms, size_t values, sg_error *err)
+{
+    if (d->nnodes + nodes <= d->nodes_capacity && d->nuniforms + uniforms <= d->uniforms_capacity &&
+        d->nvalues + values <= d->values_capacity && d->nodes_capacity < SG_DERIVATION_MAX_ITEMS &&
+        d->values_capacity < SG_DERIVATION_MAX_ITEMS && d->uniforms_capacity < SG_DERIVATION_MAX_ITEMS)
+        return SG_OK;
+    return sg_derivation_reserve(d, nodes, uniforms, values, err);
+}
+
 /** Append an open node; its arguments are undefined. The caller has checked room with sg_derivation_reserve(). */
 size_t sg_derivation_append(sg_derivation *d, sg_sym symbol, uint32_t parent, uint32_t depth, uint32_t nparams);
 
-/** Move everything from node `first` on (and values, uniforms from these offsets on) by so many places, and mend offsets.
- *  Parents in front of `before` stay where they are. Room has been reserved. Lengths are the caller's. */
-void sg_derivation_shift(sg_derivation *d, size_t first, size_t before, ptrdiff_t nodes, size_t first_value,
-                         ptrdiff_t values, size_t first_uniform, ptrdiff_t uniforms);
+/** Move everything behind the subtree of `node` (and values, uniforms from these offsets on) by so many places, and mend
+ *  offsets and parents. Room has been reserved. Lengths are the caller's, and still the old ones. */
+void sg_derivation_shift(sg_derivation *d, size_t node, ptrdiff_t nodes, size_t first_value, ptrdiff_t values,
+                         size_t first_uniform, ptrdiff_t uniforms);
 
 /** Add to the lengths of all ancestors of node. */
 void sg_derivation_stretch(sg_derivation *d, size_t node, ptrdiff_t nodes);

@@ -23,9 +23,10 @@ static sg_rule_id pick(const double *p, sg_rule_id first, uint32_t n, double u)
 
 static sg_rule_id pick_constant(const sg_grammar *g, const sg_symbol *s, double u)
 {
+    const sg_rule *rules = sg_grammar_rule(g, s->first_rule); /* they stand together */
     uint32_t last = 0;
     for (uint32_t i = 0; i < s->nrules; i++) {
-        const double p = sg_grammar_rule(g, s->first_rule + i)->probability;
+        const double p = rules[i].probability;
         if (p > 0)
             last = i;
         if (u < p)
@@ -74,7 +75,7 @@ static sg_status derive_last(sg_derivation *d, size_t node, sg_rule_id rule, gsl
     const sg_rule *r = sg_grammar_rule(d->grammar, rule);
     if (r->ndraws == 0)
         return SG_OK;
-    SG_TRY(sg_derivation_reserve(d, 0, r->nuniforms, r->nvalues, err));
+    SG_TRY(sg_derivation_room(d, 0, r->nuniforms, r->nvalues, err));
     double *u = d->uniforms + d->nodes[node].uniforms, *frame = d->values + d->nodes[node].values;
     for (uint32_t i = 0; i < r->nuniforms; i++)
         u[i] = sg_random_uniform(rng);
@@ -90,7 +91,7 @@ static sg_status append_child(sg_derivation *d, sg_child_op c, sg_error *err)
 {
     const sg_node parent = d->nodes[c.parent];
     const sg_op *op = sg_grammar_rule(d->grammar, parent.rule)->ops + c.op;
-    SG_TRY(sg_derivation_reserve(d, 1, 0, op->nargs, err));
+    SG_TRY(sg_derivation_room(d, 1, 0, op->nargs, err));
     const size_t node =
         sg_derivation_append(d, op->symbol, (uint32_t)(d->nnodes - c.parent), parent.depth + 1, op->nargs);
     sg_derivation_eval_args(d->grammar, op, d->values + parent.values, parent.depth, d->values + d->nodes[node].values);
@@ -192,13 +193,13 @@ static sg_status insert_draws(sg_derivation *d, size_t node, const sg_rule *r, g
     SG_TRY(sg_derivation_reserve(d, 0, r->nuniforms, r->nvalues, err));
     const uint32_t nparams = sg_grammar_symbol(d->grammar, r->lhs)->nparams;
     const size_t value = d->nodes[node].values + nparams, uniform = d->nodes[node].uniforms;
-    sg_derivation_shift(d, node + 1, 0, 0, value, (ptrdiff_t)r->nvalues, uniform, (ptrdiff_t)r->nuniforms);
+    sg_derivation_shift(d, node, 0, value, (ptrdiff_t)r->nvalues, uniform, (ptrdiff_t)r->nuniforms);
     for (uint32_t i = 0; i < r->nuniforms; i++)
         d->uniforms[uniform + i] = sg_random_uniform(rng);
     const sg_status st = sg_derivation_transform(d->grammar, r, nparams, d->nodes[node].depth, d->uniforms + uniform,
                                                  d->values + value - nparams, err);
     if (st != SG_OK)
-        sg_derivation_shift(d, node + 1, 0, 0, value + r->nvalues, -(ptrdiff_t)r->nvalues, uniform + r->nuniforms,
+        sg_derivation_shift(d, node, 0, value + r->nvalues, -(ptrdiff_t)r->nvalues, uniform + r->nuniforms,
                             -(ptrdiff_t)r->nuniforms);
     return st;
 }
@@ -212,7 +213,7 @@ static sg_status insert_children(sg_derivation *d, size_t node, const sg_rule *r
     for (size_t i = 0; i < n; i++)
         nargs += r->ops[d->pending.items[i].op].nargs;
     SG_TRY(sg_derivation_reserve(d, n, 0, nargs, err));
-    sg_derivation_shift(d, node + 1, node + 1, (ptrdiff_t)n, value, (ptrdiff_t)nargs, uniform, 0);
+    sg_derivation_shift(d, node, (ptrdiff_t)n, value, (ptrdiff_t)nargs, uniform, 0);
     const sg_node parent = d->nodes[node];
     for (size_t i = 0; i < n; i++) {
         const sg_op *op = r->ops + d->pending.items[i].op;
@@ -243,7 +244,7 @@ static sg_status expand_children(sg_derivation *d, size_t node, const sg_rule *r
         st = insert_children(d, node, r, value, uniform, err);
     d->pending.n = 0;
     if (st != SG_OK)
-        sg_derivation_shift(d, node + 1, 0, 0, value, -(ptrdiff_t)r->nvalues, uniform, -(ptrdiff_t)r->nuniforms);
+        sg_derivation_shift(d, node, 0, value, -(ptrdiff_t)r->nvalues, uniform, -(ptrdiff_t)r->nuniforms);
     return st;
 }
 

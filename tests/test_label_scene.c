@@ -6,6 +6,7 @@
 #include "scene/derivation_json.h"
 #include "scene/label_scene.h"
 #include "scene/label_svg.h"
+#include "tests/failing_malloc.h"
 #include "tests/support.h"
 
 #include <jansson.h>
@@ -44,6 +45,18 @@ static fixture open_fixture(const char *text, uint64_t seed)
     sg_derivation_init(&f.d, f.g);
     ck_ok(sg_derivation_sample(&f.d, f.rng, 100000, &err));
     return f;
+}
+
+/* Interpret, sampling again as long as absolute sizes deep down do not fit; what failed has left nothing. */
+static void interpret_some(fixture *f, double width, double height)
+{
+    sg_error err = SG_ERROR_INIT;
+    for (int tries = 0; sg_label_scene_interpret(&f->scene, &f->d, width, height, &err) != SG_OK; tries++) {
+        ck_assert_msg(strstr(err.msg, "larger than its scope") != NULL, "%s", err.msg);
+        ck_assert_uint_eq(f->scene.nrects, 0);
+        ck_assert_int_lt(tries, 50);
+        ck_ok(sg_derivation_sample(&f->d, f->rng, 100000, &err));
+    }
 }
 
 static void close_fixture(fixture *f)
@@ -135,30 +148,23 @@ START_TEST(rectangles_tile_the_scope_and_agree_with_the_raster)
     ck_ok(sg_label_map_create(W, H, &map, &err));
     ck_ok(sg_image_create(W, H, &im, &err));
     memset(map.labels, 99, W * H);
-    /* absolute sizes of 2 along y need scopes that high: a repeat of n deep down may be flatter, then it is an error */
     const double height = 200 + _i % 3 * 33.3, width = 150;
-    const sg_status st = sg_label_scene_interpret(&f.scene, &f.d, width, height, &err);
-    if (st != SG_OK) {
-        ck_assert_ptr_nonnull(strstr(err.msg, "larger than its scope"));
-        ck_assert_uint_eq(f.scene.nrects, 0);
-    }
+    interpret_some(&f, width, height);
     double area = 0;
     for (size_t i = 0; i < f.scene.nrects; i++) {
         const sg_label_rect *r = f.scene.rects + i;
         ck_assert(0 <= r->x0 && r->x0 <= r->x1 && r->x1 <= width && 0 <= r->y0 && r->y0 <= r->y1 && r->y1 <= height);
         area += (r->x1 - r->x0) * (r->y1 - r->y0);
     }
-    if (st == SG_OK) {
-        ck_assert_double_eq_tol(area / (width * height), 1, 1e-9);
-        sg_label_scene_raster(&f.scene, value_of, &map);
-        sg_label_scene_paint(&f.scene, f.g, &im);
-        sg_label_scene_shares(&f.scene, f.g, share);
-        double sum = 0;
-        for (size_t s = 0; s < sg_grammar_symbol_count(f.g); s++)
-            sum += share[s];
-        ck_assert_double_eq_tol(sum, 1, 1e-9);
-    }
-    for (size_t p = 0; st == SG_OK && p < W * H; p++) {
+    ck_assert_double_eq_tol(area / (width * height), 1, 1e-9);
+    sg_label_scene_raster(&f.scene, value_of, &map);
+    sg_label_scene_paint(&f.scene, f.g, &im);
+    sg_label_scene_shares(&f.scene, f.g, share);
+    double sum = 0;
+    for (size_t s = 0; s < sg_grammar_symbol_count(f.g); s++)
+        sum += share[s];
+    ck_assert_double_eq_tol(sum, 1, 1e-9);
+    for (size_t p = 0; p < W * H; p++) {
         const double x = ((double)(p % W) + 0.5) / W * width, y = ((double)(p / W) + 0.5) / H * height;
         size_t found = 0;
         for (size_t i = 0; i < f.scene.nrects; i++) {
@@ -185,7 +191,7 @@ START_TEST(the_lattice_is_the_raster)
 {
     sg_error err = SG_ERROR_INIT;
     fixture f = open_fixture(mixed, (uint64_t)_i + 1);
-    enum { W = 120, H = 300 };
+    enum { W = 60, H = 150 };
     uint8_t value_of[64];
     sg_classes classes;
     sg_label_map map;
@@ -193,22 +199,21 @@ START_TEST(the_lattice_is_the_raster)
     sg_arena *arena = sg_arena_create();
     ck_ok(sg_label_classes(f.g, &classes, value_of, &err));
     ck_ok(sg_label_map_create(W, H, &map, &err));
-    if (sg_label_scene_interpret(&f.scene, &f.d, W, H, &err) == SG_OK) {
-        sg_label_scene_raster(&f.scene, value_of, &map);
-        ck_ok(sg_lattice_of_scene(&f.scene, f.g, W, H, arena, &l, &err));
-        ck_assert(l.x[0] == 0 && l.x[l.width] == W && l.y[0] == 0 && l.y[l.height] == H);
-        for (size_t i = 0; i < W * H; i++) {
-            const uint16_t label =
-                sg_lattice_label(&l, sg_lattice_column_of(&l, i % W), sg_lattice_row_of(&l, (uint32_t)(i / W)));
-            const char *name = classes.names[classes.class_of[map.labels[i]]];
-            ck_assert_str_eq(l.label_names[label], name);
-        }
-        for (size_t k = 1; k < l.width; k++) {
-            bool used = false;
-            for (size_t i = 0; i < f.scene.nrects; i++)
-                used = used || sg_label_scene_pixel(f.scene.rects[i].x0, W, W) == l.x[k];
-            ck_assert(used && l.x[k] > l.x[k - 1]);
-        }
+    interpret_some(&f, W, H);
+    sg_label_scene_raster(&f.scene, value_of, &map);
+    ck_ok(sg_lattice_of_scene(&f.scene, f.g, W, H, arena, &l, &err));
+    ck_assert(l.x[0] == 0 && l.x[l.width] == W && l.y[0] == 0 && l.y[l.height] == H);
+    for (size_t i = 0; i < W * H; i++) {
+        const uint16_t label =
+            sg_lattice_label(&l, sg_lattice_column_of(&l, i % W), sg_lattice_row_of(&l, (uint32_t)(i / W)));
+        const char *name = classes.names[classes.class_of[map.labels[i]]];
+        ck_assert_str_eq(l.label_names[label], name);
+    }
+    for (size_t k = 1; k < l.width; k++) {
+        bool used = false;
+        for (size_t i = 0; i < f.scene.nrects; i++)
+            used = used || sg_label_scene_pixel(f.scene.rects[i].x0, W, W) == l.x[k];
+        ck_assert(used && l.x[k] > l.x[k - 1]);
     }
     sg_arena_free(arena);
     sg_label_map_clear(&map);
@@ -464,6 +469,42 @@ START_TEST(labels_become_a_class_table)
 }
 END_TEST
 
+/* Each allocation of each call fails once. */
+START_TEST(failed_allocations_are_reported)
+{
+    sg_error err = SG_ERROR_INIT;
+    fixture f = open_fixture(mixed, 3);
+    interpret_some(&f, 150, 200);
+    FILE *null = fopen("/dev/null", "w");
+    size_t failures[4] = {0};
+    for (size_t k = 0; k < 60; k++) {
+        for (int call = 0; call < 4; call++) {
+            sg_label_scene scene = {0};
+            sg_image sheet = {0};
+            const sg_image picture = {1, 1, (uint8_t[3]){0}};
+            const sg_sheet_opts o = SG_SHEET_OPTS_INIT;
+            sg_arena *arena = sg_arena_create();
+            sg_lattice l;
+            test_fail_allocation(k);
+            const sg_status st = call == 0   ? sg_label_scene_interpret(&scene, &f.d, 150, 200, &err)
+                                 : call == 1 ? sg_derivation_write_json(&f.d, 150, 200, null, &err)
+                                 : call == 2 ? sg_contact_sheet(&picture, 1, &o, &sheet, &err)
+                                             : sg_lattice_of_scene(&f.scene, f.g, 3000, 3000, arena, &l, &err);
+            const int failed = test_allocation_failed();
+            ck_assert_msg(st == (failed ? SG_ENOMEM : SG_OK), "call %d, allocation %zu: status %d", call, k, (int)st);
+            failures[call] += failed != 0;
+            ck_assert(!failed || (scene.nrects == 0 && sheet.rgb == NULL));
+            sg_label_scene_clear(&scene);
+            sg_image_clear(&sheet);
+            sg_arena_free(arena);
+        }
+    }
+    ck_assert(failures[0] > 4 && failures[1] > 4 && failures[2] > 0);
+    fclose(null);
+    close_fixture(&f);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("label scene");
@@ -483,6 +524,7 @@ int main(void)
     tcase_add_test(tc, svg_has_one_rect_a_rectangle);
     tcase_add_test(tc, contact_sheets_lay_out_row_by_row);
     tcase_add_test(tc, labels_become_a_class_table);
+    tcase_add_test(tc, failed_allocations_are_reported);
     suite_add_tcase(suite, tc);
     return test_run(suite);
 }

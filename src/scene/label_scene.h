@@ -27,7 +27,7 @@ typedef struct {
 
 /** Most symbols and labels that one interpretation places. Tied siblings are placed at every occurrence, so a small
  *  derivation can ask for very many. */
-#define SG_LABEL_SCENE_MAX_PLACES ((size_t)1 << 24)
+#define SG_LABEL_SCENE_MAX_PLACES ((size_t)1 << 22)
 
 /** Interpret a complete derivation over a width x height scope. The scene is emptied first and keeps its memory; start
  *  from a zeroed one and free with sg_label_scene_clear().

@@ -78,7 +78,7 @@ static sg_status add_place(body *b, sg_rect rect, size_t node, sg_sym label)
 {
     sg_placer *p = b->p;
     if (++p->nplaced > SG_LABEL_SCENE_MAX_PLACES)
-        return fail(b, "more than 2^24 symbols and labels are placed");
+        return fail(b, "more than 2^22 symbols and labels are placed");
     if (p->n == p->items_capacity && !SG_GROW(p->items, p->items_capacity, p->n + 1))
         return SG_FAIL_NOMEM(b->err);
     p->items[p->n++] = (sg_place){rect, node, label};

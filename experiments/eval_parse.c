@@ -6,7 +6,8 @@
  * The lattice of each facade is parsed in region mode with cell costs: a cell costs, per pixel, -log 0.994 for the pixel's
  * label and -log 0.001 for any other (the published parser's hard unaries); ignored pixels cost nothing. Printed per
  * grammar: facades, those outside the language, pixel accuracy of the best derivation, the accuracy of the lattice itself
- * (its ceiling), and the energy per pixel, -log of the best derivation with its costs. */
+ * (its ceiling), and the energy per pixel, -log of the best derivation with its costs. Ties between siblings are left out
+ * of account: each part of a split is derived by itself. */
 #include "config.h"
 
 #include "grammar/split.h"
@@ -162,6 +163,7 @@ static sg_status load_model(model *m, const char *path, sg_error *err)
     sg_grammar *g = NULL;
     SG_TRY(sg_grammar_load(path, &g, err));
     sg_status st = sg_split_form_of(g, m->arena, &m->form, err);
+    m->form.tied = false; /* region mode has no exact parse for all tied grammars */
     if (st == SG_OK)
         st = sg_parse_table_create(&m->form, SG_REGION_MODE, &m->table, err);
     m->terminal_class = st == SG_OK ? SG_NEW_ARRAY(m->arena, int, m->form.nterminals) : NULL;

@@ -23,6 +23,7 @@ typedef struct {
 /** Everything is in the arena, but for the history. */
 typedef struct {
     sg_split_form initial, merged, finished; /* merged: before finishing */
+    sg_split_form initial_finished;          /* the initial grammar, finished: what merging is compared with */
     double *initial_counts, *merged_counts;
     sg_energy_parts initial_energy, energy;  /* of initial and merged, from scratch */
     double searched_energy;                  /* where the search ended, before the last re-estimation */

@@ -28,6 +28,10 @@ sg_status sg_learn_write_grammar(const sg_split_form *form, const char *path, sg
     if (st == SG_OK)
         return sg_output_commit(&out, err);
     sg_output_discard(&out);
+    if (st == SG_EIO && err != NULL) {
+        const sg_error e = *err;
+        return SG_FAIL(err, st, "%s: %.900s", path, e.msg);
+    }
     return st;
 }
 

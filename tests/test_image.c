@@ -388,6 +388,7 @@ int main(void)
 {
     Suite *suite = suite_create("image");
     TCase *tc = tcase_create("image");
+    tcase_set_timeout(tc, 60);
     const int nsizes = sizeof sizes / sizeof sizes[0];
     tcase_add_test(tc, sizes_are_checked);
     tcase_add_loop_test(tc, label_maps_come_back, 0, nsizes);

@@ -16,6 +16,7 @@
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
 static const char HELP[] =
@@ -578,8 +579,32 @@ static void tell_fault(void *user, const char *sentence)
     sg_program_complain("%s", sentence);
 }
 
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat sa, sb;
+    return a != NULL && stat(a, &sa) == 0 && stat(b, &sb) == 0 && sa.st_dev == sb.st_dev && sa.st_ino == sb.st_ino;
+}
+
+/* A picture NAME.png must not replace the label map or the photograph that it is of. */
+static sg_status spare_inputs(const job *j, sg_error *err)
+{
+    const sg_mark mark = sg_arena_mark(j->arena);
+    sg_status st = SG_OK;
+    for (size_t i = 0; st == SG_OK && j->opts->pictures && i < j->dataset.nitems; i++) {
+        const sg_dataset_item *item = &j->dataset.items[i];
+        const char *path = sg_arena_printf(j->arena, "%s/%s.png", j->opts->output, item->name);
+        if (path == NULL)
+            st = SG_FAIL_NOMEM(err);
+        else if (is_same_file(item->labels, path) || is_same_file(item->image, path))
+            st = SG_FAIL(err, SG_EINVAL, "%s is read: the pictures need another folder", path);
+    }
+    sg_arena_rewind(j->arena, mark);
+    return st;
+}
+
 static sg_status run_job(job *j, sg_error *err)
 {
+    SG_TRY(spare_inputs(j, err));
     const size_t n = j->dataset.nitems;
     j->results = SG_NEW_ARRAY(j->arena, result, n);
     if (j->results == NULL)

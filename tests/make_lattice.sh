@@ -132,6 +132,12 @@ expect 2 "$program" set -o x --part some
 expect 2 "$program" set -o x --no-such-option
 absent x
 
+# No input is overwritten
+cp set/labels/f1.png before.png
+expect 2 "$program" set -o set/labels --pictures
+says err 'another folder'
+cmp -s set/labels/f1.png before.png || fail "a label map was overwritten"
+
 # Bad input: all faults, before any work
 expect 3 "$program" nowhere -o x
 expect 3 "$program" set -o x --names nowhere

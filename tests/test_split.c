@@ -254,7 +254,7 @@ static const struct {
     {"label a start A rule A -> split z { a | a }", "a split along z"},
     {"label a start A rule A -> draw(1)", "a body that is not one split or one label"},
     {"label a start A rule A -> nothing", "a body that is not one split or one label"},
-    {"label a start A\nrule A -> split x { a } a", "line 2"},
+    {"label a start A\nrule A -> split x { a } a", "test.sg:2: error: no split grammar: rule of A: a body"},
     {"label a start A rule A -> split x { a a }", "a part that is not one symbol"},
     {"label a start A rule A -> split x { [ a ] }", "a part that is not one symbol"},
     {"label a start A rule A -> split x { nothing }", "a part that is not one symbol"},

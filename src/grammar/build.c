@@ -454,6 +454,7 @@ static sg_status finish(sg_builder *b, sg_grammar **out)
     g->arena = b->arena;
     g->ast = b->ast;
     g->name = b->ast->name != NULL ? b->ast->name : "grammar";
+    g->source = sg_arena_string(b->arena, b->source->name);
     g->symbols = KEEP(b->symbols, b->nsymbols);
     g->rules = KEEP(b->rules, b->nrules);
     g->codes = KEEP(b->codes, b->ncodes);
@@ -461,7 +462,7 @@ static sg_status finish(sg_builder *b, sg_grammar **out)
     g->constants = KEEP(b->constants, b->nconstants);
     g->strings = KEEP(b->strings, b->nstrings);
     if (g->symbols == NULL || g->rules == NULL || g->codes == NULL || g->instructions == NULL ||
-        g->constants == NULL || g->strings == NULL)
+        g->constants == NULL || g->strings == NULL || g->source == NULL)
         return sg_build_fail_nomem(b);
     g->nsymbols = b->nsymbols;
     g->nrules = b->nrules;

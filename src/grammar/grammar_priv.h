@@ -35,6 +35,7 @@ struct sg_grammar {
     sg_arena *arena; /* everything is here, this struct too */
     sg_ast *ast;     /* for the printer */
     const char *name;
+    const char *source; /* name of the file, for messages */
     sg_symbol *symbols;
     size_t nsymbols;
     sg_rule *rules;

@@ -18,8 +18,10 @@ typedef struct {
 static sg_status too_much(const converter *c, const sg_rule *r, const char *what)
 {
     const char *name = c->g->symbols[r->lhs].name;
-    return r->line > 0 ? SG_FAIL(c->err, SG_EINPUT, "line %u: no split grammar: rule of %.60s: %s", r->line, name, what)
-                       : SG_FAIL(c->err, SG_EINPUT, "no split grammar: rule of %.60s: %s", name, what);
+    if (r->line == 0)
+        return SG_FAIL(c->err, SG_EINPUT, "%.250s: error: no split grammar: rule of %.60s: %s", c->g->source, name, what);
+    return SG_FAIL(c->err, SG_EINPUT, "%.250s:%u: error: no split grammar: rule of %.60s: %s", c->g->source, r->line,
+                   name, what);
 }
 
 /* The one non-terminal of a part; false when it holds anything else. */
@@ -199,7 +201,7 @@ sg_status sg_split_form_of(const sg_grammar *g, sg_arena *arena, sg_split_form *
     if (c.number == NULL || rules == NULL)
         return SG_FAIL_NOMEM(err);
     if (g->depth_limit != SIZE_MAX)
-        return SG_FAIL(err, SG_EINPUT, "no split grammar: it has a depth limit");
+        return SG_FAIL(err, SG_EINPUT, "%.250s: error: no split grammar: it has a depth limit", g->source);
     SG_TRY(list_symbols(&c, out));
     size_t n = 0;
     for (size_t s = 0; s < g->nsymbols; s++)

@@ -35,7 +35,8 @@ static const char help[] =
     "The search\n"
     "  --share HOW        rows that share a symbol at first: none, equal (default), collapsed\n"
     "  --regroup HOW      neighbouring rows that become one row of columns: none, pairs that\n"
-    "                     correspond one to one, or floors (default): bands of any height\n"
+    "                     correspond one to one, floors: bands of any height, or best (default):\n"
+    "                     what gives the least energy in the end\n"
     "  --no-regroup       none\n"
     "  --compatible HOW   what may be merged: symbols that reach the same labels (labels), with\n"
     "                     rules of the same kinds too (kinds, default), of about the same\n"
@@ -91,7 +92,7 @@ static const struct option long_options[] = {
 static const char *const data_terms[] = {"marginal", "viterbi", NULL};
 static const char *const length_priors[] = {"poisson", "none", NULL};
 static const char *const shares[] = {"none", "equal", "collapsed", NULL};
-static const char *const regroups[] = {"none", "pairs", "floors", NULL};
+static const char *const regroups[] = {"none", "pairs", "floors", "best", NULL};
 static const char *const searches[] = {"greedy", "lookahead", "beam", "anneal", NULL};
 static const char *const compatibles[] = {"labels", "kinds", "sizes", NULL};
 static const char *const moments[] = {"end", "every", NULL};
@@ -160,7 +161,9 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
     case OPT_REGROUP:
         if (!sg_program_choice("--regroup", arg, regroups, &i))
             return false;
-        l->incorporate.regroup = (sg_regroup_kind)i;
+        l->best_regroup = i == 3;
+        if (i < 3)
+            l->incorporate.regroup = (sg_regroup_kind)i;
         return true;
     case OPT_COMPATIBLE:
         if (!sg_program_choice("--compatible", arg, compatibles, &i))
@@ -192,6 +195,7 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
         l->tied = true;
         return true;
     default: /* OPT_NO_REGROUP */
+        l->best_regroup = false;
         l->incorporate.regroup = SG_REGROUP_NONE;
         return true;
     }
@@ -289,7 +293,7 @@ static sg_status try_outputs(const options *o, sg_error *err)
     return o->report != NULL ? sg_folder_create(o->report, err) : SG_OK;
 }
 
-static size_t list_settings(const options *o, sg_arena *a, sg_report_line *s)
+static size_t list_settings(const options *o, const sg_learn_result *r, sg_arena *a, sg_report_line *s)
 {
     const sg_learn_opts *l = &o->learn;
     size_t n = 0;
@@ -303,7 +307,7 @@ static size_t list_settings(const options *o, sg_arena *a, sg_report_line *s)
     s[n++] = (sg_report_line){"alpha", sg_arena_printf(a, "%g", l->energy.alpha)};
     s[n++] = (sg_report_line){"length prior", length_priors[l->energy.poisson ? 0 : 1]};
     s[n++] = (sg_report_line){"shared rows", shares[l->incorporate.share]};
-    s[n++] = (sg_report_line){"regrouping of rows", regroups[l->incorporate.regroup]};
+    s[n++] = (sg_report_line){"regrouping of rows", regroups[r->regroup]};
     s[n++] = (sg_report_line){"compatible for a merge", compatibles[l->compatible]};
     s[n++] = (sg_report_line){"search", searches[l->search.kind]};
     s[n++] = (sg_report_line){"chunks", l->search.chunk ? "yes" : "no"};
@@ -326,7 +330,7 @@ static sg_status write_all(const options *o, const sg_learn_input *in, const sg_
     if (o->common.json != NULL)
         SG_TRY(sg_learn_write_json(r, &o->learn, seconds, o->common.json, err));
     if (o->report != NULL)
-        SG_TRY(sg_learn_write_report(o->report, in, r, settings, list_settings(o, arena, settings), o->common.seed, seconds,
+        SG_TRY(sg_learn_write_report(o->report, in, r, settings, list_settings(o, r, arena, settings), o->common.seed, seconds,
                                      err));
     return SG_OK;
 }

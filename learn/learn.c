@@ -108,16 +108,55 @@ static sg_status learn(const sg_corpus *corpus, const sg_learn_opts *opts, sg_ar
     return st;
 }
 
-sg_status sg_learn(const sg_lattice *lattices, size_t n, const sg_learn_opts *opts, sg_arena *arena, sg_learn_result *out,
-                   sg_error *err)
+static sg_status learn_with(const sg_lattice *lattices, size_t n, const sg_learn_opts *opts, sg_regroup_kind regroup,
+                            sg_arena *arena, sg_learn_result *out, sg_error *err)
 {
     sg_corpus corpus;
+    sg_incorporate_opts incorporate = opts->incorporate;
     memset(out, 0, sizeof *out);
-    SG_TRY(sg_incorporate(lattices, n, &opts->incorporate, arena, &out->initial, &out->initial_counts, err));
+    out->regroup = incorporate.regroup = regroup;
+    SG_TRY(sg_incorporate(lattices, n, &incorporate, arena, &out->initial, &out->initial_counts, err));
     SG_TRY(sg_energy_of_form(&opts->energy, &out->initial, out->initial_counts, &out->initial_energy, err));
     SG_TRY(sg_corpus_create(lattices, n, &out->initial, arena, &corpus, err));
     const sg_status st = learn(&corpus, opts, arena, out, err);
     if (st != SG_OK && st != SG_STOPPED)
         sg_learn_result_clear(out);
     return st;
+}
+
+static void swap_results(sg_learn_result *a, sg_learn_result *b)
+{
+    const sg_learn_result t = *a;
+    *a = *b;
+    *b = t;
+}
+
+/* The same data and the same energy, so that the energy may choose. Times and parses are those of all. */
+static sg_status learn_with_each(const sg_lattice *lattices, size_t n, const sg_learn_opts *opts, sg_arena *arena,
+                                 sg_learn_result *out, sg_error *err)
+{
+    static const sg_regroup_kind kinds[] = {SG_REGROUP_FLOORS, SG_REGROUP_PAIRS, SG_REGROUP_NONE};
+    sg_status st = learn_with(lattices, n, opts, kinds[0], arena, out, err);
+    for (size_t i = 1; i < sizeof kinds / sizeof *kinds && st == SG_OK; i++) {
+        sg_learn_result other;
+        st = learn_with(lattices, n, opts, kinds[i], arena, &other, err);
+        if (st != SG_OK && st != SG_STOPPED)
+            break;
+        if (st == SG_OK && other.energy.energy < out->energy.energy)
+            swap_results(out, &other);
+        out->parsed += other.parsed;
+        out->search_s += other.search_s;
+        out->reestimate_s += other.reestimate_s;
+        sg_learn_result_clear(&other);
+    }
+    if (st != SG_OK && st != SG_STOPPED)
+        sg_learn_result_clear(out);
+    return st;
+}
+
+sg_status sg_learn(const sg_lattice *lattices, size_t n, const sg_learn_opts *opts, sg_arena *arena, sg_learn_result *out,
+                   sg_error *err)
+{
+    return opts->best_regroup ? learn_with_each(lattices, n, opts, arena, out, err)
+                              : learn_with(lattices, n, opts, opts->incorporate.regroup, arena, out, err);
 }

@@ -10,6 +10,7 @@
 
 typedef struct {
     sg_incorporate_opts incorporate;
+    bool best_regroup; /* learn with each kind of regrouping and keep the grammar of least energy; else incorporate.regroup */
     sg_energy_opts energy;
     sg_search_opts search; /* its `every` is set here */
     bool reestimate_every; /* by Earley parsing after each accepted step; else once, at the end */
@@ -18,10 +19,11 @@ typedef struct {
 } sg_learn_opts;
 
 #define SG_LEARN_OPTS_INIT                                                                                             \
-    {SG_INCORPORATE_OPTS_INIT, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, SG_COMPATIBLE_KINDS, false}
+    {SG_INCORPORATE_OPTS_INIT, true, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, SG_COMPATIBLE_KINDS, false}
 
 /** Everything is in the arena, but for the history. */
 typedef struct {
+    sg_regroup_kind regroup;                 /* of the initial grammar */
     sg_split_form initial, merged, finished; /* merged: before finishing */
     sg_split_form initial_finished;          /* the initial grammar, finished: what merging is compared with */
     double *initial_counts, *merged_counts;

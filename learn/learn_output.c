@@ -42,13 +42,16 @@ static json_t *sizes_json(const sg_split_form *f)
                      "rules_y", (json_int_t)s.rules_y);
 }
 
+static const char *const regroups[] = {"none", "pairs", "floors"}; /* by sg_regroup_kind */
+
 static json_t *result_json(const sg_learn_result *r, const sg_learn_opts *opts, double seconds)
 {
     const sg_grammar_sizes s = sg_split_form_sizes(&r->merged);
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:o, s:o, s:o, s:o, s:o}",
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:o, s:o, s:o, s:o, s:o}",
                      "energy", r->energy.energy, "initial_energy", r->initial_energy.energy,
                      "log_likelihood", r->energy.log_likelihood, "log_structure_prior", r->energy.log_structure_prior,
                      "log_parameter_prior", r->energy.log_parameter_prior, "weight", opts->energy.weight,
+                     "regroup", regroups[r->regroup],
                      "nonterminals", (json_int_t)s.nonterminals, "rules_x", (json_int_t)s.rules_x,
                      "rules_y", (json_int_t)s.rules_y, "rules_lexical", (json_int_t)s.rules_lexical,
                      "merges", (json_int_t)r->history.merges, "chunks", (json_int_t)r->history.chunks,

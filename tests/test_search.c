@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_search.c - chunks, re-estimation by parsing, the searches, and learning from start to end. */
+#include "learn/cell_sample.h"
 #include "learn/chunk.h"
 #include "learn/learn.h"
 #include "learn/merge.h"
@@ -418,6 +419,89 @@ START_TEST(learning_gives_consistent_grammars)
 }
 END_TEST
 
+/* Lattices of a grammar whose structure can be found: the beam must not end above it. */
+START_TEST(a_known_grammar_is_found)
+{
+    static const char *const names[] = {"office", "arcade", "terrace"};
+    sg_error err = SG_ERROR_INIT;
+    sg_arena *a = sg_arena_create();
+    gsl_rng *rng = sg_random_create(1);
+    sg_grammar *g;
+    sg_split_form truth;
+    char path[4096];
+    snprintf(path, sizeof path, "%s/data/grammars/%s.sg", test_folder("SG_SOURCE_DIR"), names[_i % 3]);
+    ck_ok(sg_grammar_load(path, &g, &err));
+    ck_ok(sg_split_form_of(g, a, &truth, &err));
+    enum { N = 40 };
+    sg_lattice lattices[N];
+    for (size_t i = 0; i < N; i++) {
+        sg_random_stream(rng, 100 + (uint64_t)_i, 0, i);
+        ck_ok(sg_cell_sample(&truth, rng, 1000, 10000, a, &lattices[i], NULL, &err));
+    }
+    sg_learn_opts o = SG_LEARN_OPTS_INIT;
+    sg_learn_result r;
+    o.search.kind = SG_SEARCH_BEAM;
+    ck_ok(sg_learn(lattices, N, &o, a, &r, &err));
+
+    sg_corpus corpus;
+    sg_rules rules;
+    sg_reestimator *e;
+    const sg_reestimate_opts plain = {false, true};
+    double *counts = SG_NEW_ARRAY(a, double, truth.nrules);
+    for (size_t i = 0; i < truth.nrules; i++)
+        counts[i] = 1000 * truth.rules[i].probability;
+    ck_ok(sg_corpus_create(lattices, N, &truth, a, &corpus, &err));
+    ck_ok(sg_rules_create(&rules, &truth, counts, &o.energy, a, &err));
+    ck_ok(sg_reestimator_create(&corpus, &plain, &e, &err));
+    ck_ok(sg_reestimate_until_stable(e, &rules, 20, NULL, &err));
+    const double want = sg_rules_energy(&rules);
+    ck_assert_msg(r.energy.energy <= want + 1e-9 * fabs(want), "%s: %.10g above the truth's %.10g", names[_i % 3],
+                  r.energy.energy, want);
+    sg_reestimator_free(e);
+    sg_rules_clear(&rules);
+    sg_learn_result_clear(&r);
+    sg_grammar_free(g);
+    gsl_rng_free(rng);
+    sg_arena_free(a);
+}
+END_TEST
+
+/* What is drawn has the frequencies of the rules, and only what fits together. */
+START_TEST(drawn_lattices_follow_the_grammar)
+{
+    sg_error err = SG_ERROR_INIT;
+    sg_arena *a = sg_arena_create();
+    gsl_rng *rng = sg_random_create(3);
+    /* S -> A | A side by side, A -> t over t (.5) or t (.5): two of four derivations fit, each as likely */
+    const uint32_t aa[] = {1, 1}, tt[] = {2, 2}, one[] = {2}, t[] = {0};
+    const sg_split_rule rules[] = {{.lhs = 0, .op = SG_SPLIT_X, .n = 2, .rhs = aa, .probability = 1},
+                                   {.lhs = 1, .op = SG_SPLIT_Y, .n = 2, .rhs = tt, .probability = 0.5},
+                                   {.lhs = 1, .op = SG_SPLIT_Y, .n = 1, .rhs = one, .probability = 0.5},
+                                   {.lhs = 2, .op = SG_SPLIT_LEXICAL, .n = 1, .rhs = t, .probability = 1}};
+    const char *names[] = {"S", "A", "T"}, *terminals[] = {"t"};
+    const uint32_t colors[] = {0};
+    sg_split_form f = {.name = "fit", .nsymbols = 3, .symbol_names = names, .nterminals = 1, .terminal_names = terminals,
+                       .terminal_colors = colors, .nrules = 4, .rules = rules};
+    size_t tall = 0, tried = 0;
+    for (int i = 0; i < 2000; i++) {
+        sg_lattice l;
+        size_t n;
+        ck_ok(sg_cell_sample(&f, rng, 1000, 100, a, &l, &n, &err));
+        ck_assert_uint_eq(l.width, 2);
+        tall += l.height == 2;
+        tried += n;
+        sg_arena_reset(a);
+    }
+    ck_assert_double_eq_tol((double)tall, 1000, 5 * sqrt(500));
+    ck_assert_double_eq_tol((double)tried, 4000, 5 * sqrt(2 * 2000)); /* geometric, p = 1/2 */
+    ck_assert_int_eq(sg_cell_sample(&f, rng, 100, 1, a, &(sg_lattice){0}, NULL, &err), SG_ENUMERIC);
+    f.tied = true;
+    ck_assert_int_eq(sg_cell_sample(&f, rng, 100, 100, a, &(sg_lattice){0}, NULL, &err), SG_EINVAL);
+    gsl_rng_free(rng);
+    sg_arena_free(a);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("search");
@@ -431,6 +515,8 @@ int main(void)
     tcase_add_loop_test(tc, no_search_ends_above_greedy, 0, 12);
     tcase_add_loop_test(tc, a_stopped_search_leaves_a_valid_grammar, 0, 4);
     tcase_add_test(tc, the_initial_likelihood_is_that_of_choosing_a_lattice);
+    tcase_add_loop_test(tc, a_known_grammar_is_found, 0, 6);
+    tcase_add_test(tc, drawn_lattices_follow_the_grammar);
     tcase_add_loop_test(tc, learning_gives_consistent_grammars, 0, 6);
     suite_add_tcase(suite, tc);
     return test_run(suite);

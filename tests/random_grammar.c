@@ -38,6 +38,8 @@ static bool chance(writer *w, double p)
 }
 
 /* A token, with something between it and the next. */
+static void put(writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 static void put(writer *w, const char *format, ...)
 {
     static const char *const strange[] = {" ", "  ", "\n", "\t", " # a note: rule -> { 1\n", "\r\n", " #\n"};
@@ -305,7 +307,7 @@ static void put_part_size(writer *w)
     const unsigned kind = below(w, 4);
     if (kind == 0)
         return;
-    put(w, kind == 1 ? "" : kind == 2 ? "~" : "'");
+    put(w, kind == 1 ? " " : kind == 2 ? "~" : "'");
     put_positive(w, 1);
     put(w, ":");
 }

@@ -356,6 +356,28 @@ START_TEST(faults_of_the_exchange_form_are_named)
 }
 END_TEST
 
+/* Files with a few bytes changed: a grammar or a sentence, never a crash. */
+START_TEST(damaged_exchange_forms_are_read_or_refused)
+{
+    gsl_rng *rng = sg_random_create(2000 + (uint64_t)_i);
+    unsigned refused = 0;
+    for (int i = 0; i < 300; i++) {
+        char text[sizeof good];
+        memcpy(text, good, sizeof good);
+        for (unsigned k = 1 + (unsigned)gsl_rng_uniform_int(rng, 3); k > 0; k--)
+            text[1 + gsl_rng_uniform_int(rng, sizeof good - 2)] = "{}[]\":,019.-eSAB \xC3n"[gsl_rng_uniform_int(rng, 21)];
+        sg_error err = SG_ERROR_INIT;
+        sg_grammar *g = NULL;
+        const sg_status st = sg_grammar_parse(text, strlen(text), "test.json", &g, &err);
+        ck_assert_msg((st == SG_OK && g != NULL) || (st == SG_EINPUT && g == NULL && err.msg[0] != '\0'), "%d %s", (int)st, text);
+        refused += st != SG_OK;
+        sg_grammar_free(g);
+    }
+    ck_assert(refused > 100 && refused < 300);
+    gsl_rng_free(rng);
+}
+END_TEST
+
 /* Forms that a program may make wrongly. */
 START_TEST(bad_forms_are_refused)
 {
@@ -478,6 +500,7 @@ int main(void)
     tcase_add_loop_test(tc, what_is_no_split_grammar_is_refused, 0, COUNT(too_much));
     tcase_add_test(tc, a_bare_symbol_is_a_split_into_one);
     tcase_add_loop_test(tc, faults_of_the_exchange_form_are_named, 0, COUNT(faults));
+    tcase_add_loop_test(tc, damaged_exchange_forms_are_read_or_refused, 0, 5);
     tcase_add_test(tc, bad_forms_are_refused);
     tcase_add_test(tc, probabilities_settle);
     tcase_add_test(tc, long_chains_are_checked_in_linear_time);

@@ -10,6 +10,7 @@
 #include "core/array.h"
 #include "grammar/build_priv.h"
 #include "grammar/distribution_priv.h"
+#include "grammar/label_color.h"
 #include "grammar/shape_ops.h"
 
 #include <math.h>
@@ -115,19 +116,6 @@ static sg_status declare_nonterminal(sg_builder *b, const sg_ast_rule *r)
     return put(b, &b->symbol_names, r->name, id);
 }
 
-/* Colours of labels without one: hues a golden angle apart, never two alike. */
-static uint32_t default_color(uint32_t n)
-{
-    const double hue = fmod(n * 0.618033988749895, 1) * 6;
-    const double value = n % 2 == 0 ? 0.9 : 0.65;
-    double rgb[3];
-    for (int i = 0; i < 3; i++) {
-        const double k = fmod(5 - 2 * i + hue, 6);
-        rgb[i] = value * (1 - 0.7 * fmax(0, fmin(fmin(k, 4 - k), 1)));
-    }
-    return (uint32_t)(rgb[0] * 255) << 16 | (uint32_t)(rgb[1] * 255) << 8 | (uint32_t)(rgb[2] * 255);
-}
-
 static sg_status declare_labels(sg_builder *b)
 {
     uint32_t n = 0;
@@ -138,7 +126,7 @@ static sg_status declare_labels(sg_builder *b)
         sg_symbol s = blank_symbol;
         s.name = l->name;
         s.kind = SG_SYMBOL_LABEL;
-        s.color = l->has_color ? l->color : default_color(n);
+        s.color = l->has_color ? l->color : sg_label_color(n);
         sg_sym id = SG_NONE;
         SG_TRY(sg_build_symbol(b, &s, l->at, &id));
         SG_TRY(put(b, &b->symbol_names, l->name, id));

@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "grammar/json_text.h"
+#include "grammar/label_color.h"
 #include "grammar/names.h"
 #include "grammar/source.h"
 #include "grammar/split_priv.h"
@@ -149,7 +150,7 @@ static sg_status get_string(const reader *r, size_t rule, const json_t *o, const
 static sg_status read_color(const reader *r, const json_t *terminal, size_t number, uint32_t *color)
 {
     const json_t *v = json_object_get(terminal, "color");
-    *color = (uint32_t)(number * 0x9E3779u) & 0xFFFFFF; /* any: viewers need some difference */
+    *color = sg_label_color((uint32_t)number);
     if (v == NULL)
         return SG_OK;
     const char *s = json_is_string(v) ? json_string_value(v) : "";

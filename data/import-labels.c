@@ -52,32 +52,33 @@ typedef struct {
     json_t *faults; /* for --json; NULL without */
 } settings;
 
-static bool take_own_option(int opt, settings *s)
+static bool take_own_option(int opt, const char *arg, void *user)
 {
+    settings *s = user;
     size_t base = 0;
     switch (opt) {
     case 'o':
-        s->import.dataset = optarg;
+        s->import.dataset = arg;
         return true;
     case OPT_CLASSES:
-        s->import.classes_file = optarg;
+        s->import.classes_file = arg;
         return true;
     case OPT_IMAGES:
-        s->import.images = optarg;
+        s->import.images = arg;
         return true;
     case OPT_SUFFIX:
-        s->import.suffix = optarg;
+        s->import.suffix = arg;
         return true;
     case OPT_BASE:
-        if (!sg_program_size("--base", optarg, 0, 255, &base))
+        if (!sg_program_size("--base", arg, 0, 255, &base))
             return false;
         s->import.base = (int)base;
         s->base_given = true;
         return true;
     case OPT_TOLERANCE:
-        return sg_program_double("--tolerance", optarg, 0, 442, &s->import.tolerance);
+        return sg_program_double("--tolerance", arg, 0, 442, &s->import.tolerance);
     case OPT_BACKGROUND:
-        s->import.background = optarg;
+        s->import.background = arg;
         return true;
     default:
         return false;
@@ -106,19 +107,9 @@ static bool take_arguments(int argc, char **argv, settings *s)
 /* -1 when the work can begin, else the exit status. */
 static int parse_options(int argc, char **argv, settings *s)
 {
-    for (int opt; (opt = getopt_long(argc, argv, "o:", long_options, NULL)) != -1;) {
-        switch (sg_program_option(opt, optarg, help, &s->common)) {
-        case SG_OPTION_TAKEN:
-            break;
-        case SG_OPTION_EXIT_OK:
-            return sg_program_end(SG_OK, NULL);
-        case SG_OPTION_BAD:
-            return 2;
-        case SG_OPTION_OTHER:
-            if (!take_own_option(opt, s))
-                return 2;
-        }
-    }
+    const int end = sg_program_options(argc, argv, "o:", long_options, help, &s->common, take_own_option, s);
+    if (end >= 0)
+        return end;
     return take_arguments(argc, argv, s) ? -1 : 2;
 }
 

@@ -201,8 +201,9 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
     }
 }
 
-static bool set_option(int opt, const char *arg, options *o)
+static bool set_option(int opt, const char *arg, void *user)
 {
+    options *o = user;
     switch (opt) {
     case 'o':
         o->output = arg;
@@ -255,21 +256,9 @@ static int check_usage(const options *o, int nfolders)
 /* @return exit status, or -1: go on */
 static int read_options(int argc, char **argv, options *o)
 {
-    for (int opt; (opt = getopt_long(argc, argv, "o:", long_options, NULL)) != -1;) {
-        switch (sg_program_option(opt, optarg, help, &o->common)) {
-        case SG_OPTION_EXIT_OK:
-            return sg_program_end(SG_OK, NULL);
-        case SG_OPTION_BAD:
-            return 2;
-        case SG_OPTION_OTHER:
-            if (!set_option(opt, optarg, o))
-                return 2;
-            break;
-        case SG_OPTION_TAKEN:
-        default:
-            break;
-        }
-    }
+    const int end = sg_program_options(argc, argv, "o:", long_options, help, &o->common, set_option, o);
+    if (end >= 0)
+        return end;
     o->folder = argv[optind];
     return check_usage(o, argc - optind);
 }

@@ -128,8 +128,9 @@ static bool take_rule(int opt, const char *arg, options *o)
     }
 }
 
-static bool take_own(int opt, const char *arg, options *o)
+static bool take_own(int opt, const char *arg, void *user)
 {
+    options *o = user;
     static const char *const parts[] = {"train", "valid", "test", "all", NULL};
     size_t n = 0;
     int part = 0;
@@ -169,20 +170,9 @@ static bool take_own(int opt, const char *arg, options *o)
 /* Exit status to leave with, or -1 to go on. */
 static int parse_args(int argc, char **argv, options *o)
 {
-    int opt;
-    while ((opt = getopt_long(argc, argv, "o:", LONG_OPTIONS, NULL)) != -1) {
-        switch (sg_program_option(opt, optarg, HELP, &o->common)) {
-        case SG_OPTION_TAKEN:
-            break;
-        case SG_OPTION_EXIT_OK:
-            return sg_program_end(SG_OK, NULL);
-        case SG_OPTION_BAD:
-            return 2;
-        case SG_OPTION_OTHER:
-            if (!take_own(opt, optarg, o))
-                return 2;
-        }
-    }
+    const int end = sg_program_options(argc, argv, "o:", LONG_OPTIONS, HELP, &o->common, take_own, o);
+    if (end >= 0)
+        return end;
     if (argc - optind != 1)
         return sg_program_usage("expected one data set folder, found %d", argc - optind);
     if (o->output == NULL)

@@ -78,8 +78,9 @@ static const struct option LONG_OPTIONS[] = {{"mode", required_argument, NULL, O
                                              SG_COMMON_LONG_OPTIONS,
                                              {NULL, 0, NULL, 0}};
 
-static bool take_own(int opt, const char *arg, options *o)
+static bool take_own(int opt, const char *arg, void *user)
 {
+    options *o = user;
     static const char *const modes[] = {"cell", "region", NULL}, *const kinds[] = {"true", "viterbi", NULL};
     int choice = 0;
     switch (opt) {
@@ -117,20 +118,9 @@ static bool take_own(int opt, const char *arg, options *o)
 /* Exit status to leave with, or -1 to go on. */
 static int parse_args(int argc, char **argv, options *o)
 {
-    int opt;
-    while ((opt = getopt_long(argc, argv, "o:", LONG_OPTIONS, NULL)) != -1) {
-        switch (sg_program_option(opt, optarg, HELP, &o->common)) {
-        case SG_OPTION_TAKEN:
-            break;
-        case SG_OPTION_EXIT_OK:
-            return sg_program_end(SG_OK, NULL);
-        case SG_OPTION_BAD:
-            return 2;
-        case SG_OPTION_OTHER:
-            if (!take_own(opt, optarg, o))
-                return 2;
-        }
-    }
+    const int end = sg_program_options(argc, argv, "o:", LONG_OPTIONS, HELP, &o->common, take_own, o);
+    if (end >= 0)
+        return end;
     if (argc - optind < 2)
         return sg_program_usage("expected a grammar and at least one lattice");
     if (o->em_opts_given && !o->em_asked)

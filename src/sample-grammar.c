@@ -114,30 +114,31 @@ static bool parse_formats(const char *arg, unsigned *formats)
 
 enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES };
 
-static bool take_option(int opt, options *o)
+static bool take_option(int opt, const char *arg, void *user)
 {
+    options *o = user;
     switch (opt) {
     case 'n':
-        return sg_program_size("-n", optarg, 1, MAX_SAMPLES, &o->n);
+        return sg_program_size("-n", arg, 1, MAX_SAMPLES, &o->n);
     case 'o':
-        o->folder = optarg;
+        o->folder = arg;
         return true;
     case OPT_SIZE:
-        return parse_pair("--size", optarg, SG_IMAGE_MAX_SIDE, &o->width, &o->height);
+        return parse_pair("--size", arg, SG_IMAGE_MAX_SIDE, &o->width, &o->height);
     case OPT_FORMATS:
-        return parse_formats(optarg, &o->formats);
+        return parse_formats(arg, &o->formats);
     case OPT_SHEET:
-        return parse_pair("--sheet", optarg, 1000, &o->columns, &o->rows);
+        return parse_pair("--sheet", arg, 1000, &o->columns, &o->rows);
     case OPT_DATASET:
         o->dataset = true;
         return true;
     case OPT_NAME:
-        o->name = optarg;
-        return optarg[0] != '\0' && strchr(optarg, '/') == NULL && strlen(optarg) < 200
+        o->name = arg;
+        return arg[0] != '\0' && strchr(arg, '/') == NULL && strlen(arg) < 200
                    ? true
-                   : (sg_program_usage("--name: '%s' is no beginning of a file name", optarg), false);
+                   : (sg_program_usage("--name: '%s' is no beginning of a file name", arg), false);
     default:
-        return sg_program_size("--max-nodes", optarg, 1, UINT32_MAX - 2, &o->max_nodes);
+        return sg_program_size("--max-nodes", arg, 1, UINT32_MAX - 2, &o->max_nodes);
     }
 }
 
@@ -152,14 +153,9 @@ static int parse_args(int argc, char **argv, options *o)
                                           {"name", required_argument, NULL, OPT_NAME},
                                           {"max-nodes", required_argument, NULL, OPT_MAX_NODES},
                                           {NULL, 0, NULL, 0}};
-    int opt;
-    while ((opt = getopt_long(argc, argv, "n:o:", longs, NULL)) != -1) {
-        const sg_option_result taken = sg_program_option(opt, optarg, help, &o->common);
-        if (taken == SG_OPTION_EXIT_OK)
-            return sg_program_end(SG_OK, NULL);
-        if (taken == SG_OPTION_BAD || (taken == SG_OPTION_OTHER && !take_option(opt, o)))
-            return 2;
-    }
+    const int end = sg_program_options(argc, argv, "n:o:", longs, help, &o->common, take_option, o);
+    if (end >= 0)
+        return end;
     if (argc - optind != 1)
         return sg_program_usage("one grammar file is wanted, not %d", argc - optind);
     if (o->folder == NULL)

@@ -4,46 +4,7 @@
 set -u
 program=${SG_BUILD_DIR:-.}/data/import-labels
 scripts=${SG_SOURCE_DIR:-.}/data
-work=$(mktemp -d) || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-failures=0
-
-# expect STATUS COMMAND...: out and err are kept in files
-expect() {
-    want=$1
-    shift
-    "$@" >out 2>err
-    got=$?
-    if [ $got -ne "$want" ]; then
-        echo "FAIL: status $got, not $want: $*"
-        cat out err
-        failures=$((failures + 1))
-    fi
-}
-
-# says FILE TEXT: the file holds it
-says() {
-    if ! grep -q -e "$2" "$1"; then
-        echo "FAIL: '$2' is not in $1:"
-        cat "$1"
-        failures=$((failures + 1))
-    fi
-}
-
-same() {
-    if ! cmp -s "$1" "$2"; then
-        echo "FAIL: $1 and $2 differ"
-        failures=$((failures + 1))
-    fi
-}
-
-absent() {
-    if [ -e "$1" ]; then
-        echo "FAIL: $1 is there"
-        failures=$((failures + 1))
-    fi
-}
+. "${SG_SOURCE_DIR:-.}/tests/shell_support.sh"
 
 printf '# index\tname\tcolour\n0\twall\t#ffff00\n1\twindow\t#ff0000\n9\tignore\t#000000\n' >classes.tsv
 mkdir digits matrix labelme one

@@ -5,34 +5,8 @@ set -u
 program=${SG_BUILD_DIR:-.}/learn/learn-grammar
 print=${SG_BUILD_DIR:-.}/src/print-grammar
 import=${SG_BUILD_DIR:-.}/data/import-labels
-work=$(mktemp -d) || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-failures=0
+. "${SG_SOURCE_DIR:-.}/tests/shell_support.sh"
 
-# expect STATUS COMMAND...: out and err are kept in files
-expect() {
-    want=$1
-    shift
-    "$@" >out 2>err
-    got=$?
-    if [ $got -ne "$want" ]; then
-        echo "FAIL: status $got, not $want: $*"
-        head -c 2000 out
-        head -c 2000 err
-        failures=$((failures + 1))
-    fi
-}
-
-fail() {
-    echo "FAIL: $*"
-    head -c 2000 out
-    head -c 2000 err
-    failures=$((failures + 1))
-}
-
-says() { grep -q -e "$2" "$1" || fail "'$2' is not in $1"; }
-absent() { [ ! -e "$1" ] || fail "$1 is there"; }
 valid() { "$print" "$1" >out 2>err || fail "$1 is no valid grammar"; }
 
 # lattices FOLDER N: facades of sky, floors of windows with or without balconies, a shop

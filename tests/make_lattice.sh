@@ -4,32 +4,7 @@
 set -u
 program=${SG_BUILD_DIR:-.}/parse/make-lattice
 import=${SG_BUILD_DIR:-.}/data/import-labels
-work=$(mktemp -d) || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-failures=0
-
-# expect STATUS COMMAND...: out and err are kept in files
-expect() {
-    want=$1
-    shift
-    "$@" >out 2>err
-    got=$?
-    if [ $got -ne "$want" ]; then
-        echo "FAIL: status $got, not $want: $*"
-        cat out err
-        failures=$((failures + 1))
-    fi
-}
-
-fail() {
-    echo "FAIL: $*"
-    cat out err
-    failures=$((failures + 1))
-}
-
-says() { grep -q -e "$2" "$1" || fail "'$2' is not in $1"; }
-absent() { [ ! -e "$1" ] || fail "$1 is there"; }
+. "${SG_SOURCE_DIR:-.}/tests/shell_support.sh"
 
 # Text maps: 12 of them, 60 x 40 px, windows on a wall over a shop, each a little different; one pixel is odd.
 mkdir maps

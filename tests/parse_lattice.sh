@@ -3,34 +3,9 @@
 # parse-lattice as a program: both grammar forms, both modes, derivations, JSON, re-estimation, exit statuses.
 set -u
 program=${SG_BUILD_DIR:-.}/parse/parse-lattice
-work=$(mktemp -d) || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-failures=0
+. "${SG_SOURCE_DIR:-.}/tests/shell_support.sh"
 have_python=false
 if command -v python3 >/dev/null; then have_python=true; fi
-
-# expect STATUS COMMAND...: out and err are kept in files
-expect() {
-    want=$1
-    shift
-    "$@" >out 2>err
-    got=$?
-    if [ $got -ne "$want" ]; then
-        echo "FAIL: status $got, not $want: $*"
-        cat out err
-        failures=$((failures + 1))
-    fi
-}
-
-# says FILE TEXT: the file holds it
-says() {
-    if ! grep -q -e "$2" "$1"; then
-        echo "FAIL: '$2' is not in $1:"
-        cat "$1"
-        failures=$((failures + 1))
-    fi
-}
 
 # holds WHAT: the condition given as a Python expression over d, the JSON of `out`
 holds() {
@@ -39,13 +14,6 @@ holds() {
 import json, math, sys
 d = json.load(open('out'))
 sys.exit(not ($1))" || { echo "FAIL: not so: $1"; cat out; failures=$((failures + 1)); }
-}
-
-same() {
-    if ! cmp -s "$1" "$2"; then
-        echo "FAIL: $1 and $2 differ"
-        failures=$((failures + 1))
-    fi
 }
 
 cat >g.json <<'END'

@@ -173,6 +173,20 @@ sg_option_result sg_program_option(int opt, const char *arg, const char *help, s
     }
 }
 
+int sg_program_options(int argc, char **argv, const char *short_options, const struct option *long_options,
+                       const char *help, sg_common_opts *common, bool (*take)(int opt, const char *arg, void *user),
+                       void *user)
+{
+    for (int opt; (opt = getopt_long(argc, argv, short_options, long_options, NULL)) != -1;) {
+        const sg_option_result result = sg_program_option(opt, optarg, help, common);
+        if (result == SG_OPTION_EXIT_OK)
+            return sg_program_end(SG_OK, NULL);
+        if (result == SG_OPTION_BAD || (result == SG_OPTION_OTHER && !take(opt, optarg, user)))
+            return 2;
+    }
+    return -1;
+}
+
 static double now_s(void)
 {
     struct timespec t;

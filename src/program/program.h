@@ -44,6 +44,13 @@ typedef enum { SG_OPTION_TAKEN, SG_OPTION_OTHER, SG_OPTION_EXIT_OK, SG_OPTION_BA
 /** Handle one common option from getopt_long(); prints help or version when asked for (then EXIT_OK). */
 sg_option_result sg_program_option(int opt, const char *arg, const char *help, sg_common_opts *opts);
 
+/** Read all options with getopt_long(): the common ones here, the others by `take`, which complains and returns false when
+ *  one makes no sense. optind is then the first argument that is no option.
+ *  @return -1: go on; else the exit status to leave with (after --help, --version or wrong usage) */
+int sg_program_options(int argc, char **argv, const char *short_options, const struct option *long_options,
+                       const char *help, sg_common_opts *common, bool (*take)(int opt, const char *arg, void *user),
+                       void *user);
+
 /** Numbers from the command line; complain and return false when they are none or out of [low, high]. */
 bool sg_program_size(const char *option, const char *arg, size_t low, size_t high, size_t *out);
 bool sg_program_double(const char *option, const char *arg, double low, double high, double *out);

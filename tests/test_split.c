@@ -365,7 +365,7 @@ START_TEST(damaged_exchange_forms_are_read_or_refused)
         char text[sizeof good];
         memcpy(text, good, sizeof good);
         for (unsigned k = 1 + (unsigned)gsl_rng_uniform_int(rng, 3); k > 0; k--)
-            text[1 + gsl_rng_uniform_int(rng, sizeof good - 2)] = "{}[]\":,019.-eSAB \xC3n"[gsl_rng_uniform_int(rng, 21)];
+            text[1 + gsl_rng_uniform_int(rng, sizeof good - 2)] = "{}[]\":,019.-eSAB \xC3n"[gsl_rng_uniform_int(rng, 19)];
         sg_error err = SG_ERROR_INIT;
         sg_grammar *g = NULL;
         const sg_status st = sg_grammar_parse(text, strlen(text), "test.json", &g, &err);

@@ -7,6 +7,9 @@
 
 #define HASH_NONFATAL_OOM 1
 #define uthash_nonfatal_oom(item) ((item)->failed = true)
+/* tables live in the arena too, and go with it */
+#define uthash_malloc(size) sg_arena_alloc(g->arena, (size))
+#define uthash_free(pointer, size) ((void)(pointer))
 #include <uthash.h>
 
 #define NO_TERMINAL UINT32_MAX

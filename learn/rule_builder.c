@@ -8,6 +8,9 @@
 
 #define HASH_NONFATAL_OOM 1
 #define uthash_nonfatal_oom(item) ((item)->failed = true)
+/* tables live in the arena too, and go with it */
+#define uthash_malloc(size) sg_arena_alloc(b->arena, (size))
+#define uthash_free(pointer, size) ((void)(pointer))
 #include <uthash.h>
 
 typedef struct symbol {

@@ -8,6 +8,7 @@
 #include "learn/learn_output.h"
 #include "program/program.h"
 
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -369,7 +370,8 @@ static sg_status run(options *o, bool *nothing, sg_error *err)
     SG_TRY(try_outputs(o, err));
     sg_progress progress = sg_program_progress(&o->common);
     o->input.progress = o->learn.search.progress = &progress;
-    o->input.threads = o->common.threads;
+    if (o->common.threads > 0)
+        omp_set_num_threads(o->common.threads);
     o->input.fault = complain;
     o->learn.search.seed = o->common.seed;
     SG_TRY(sg_learn_input_read(o->folder, &o->input, &in, err));

@@ -12,7 +12,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -95,9 +94,8 @@ static sg_status fit_all(const sg_dataset *d, const sg_learn_input_opts *o, sg_l
     double *accuracy = SG_NEW_ARRAY(in->arena, double, in->n);
     if (status == NULL || errors == NULL || accuracy == NULL)
         return SG_FAIL_NOMEM(err);
-    const int threads = o->threads > 0 ? o->threads : omp_get_max_threads();
     size_t done = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+#pragma omp parallel for schedule(dynamic)
     for (size_t i = 0; i < in->n; i++) {
         bool stopped;
 #pragma omp critical(sg_learn_input_progress)

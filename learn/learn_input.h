@@ -12,12 +12,11 @@ typedef struct {
     sg_dataset_opts dataset; /* for a folder of lattices only names_file, max_images and classes_file count */
     size_t cells;            /* fit each lattice with at most so many cells; 0: see below */
     double accuracy;         /* or with at least this share of the pixels right; 0: weights from description length */
-    int threads;             /* 0: all cores */
     void (*fault)(void *user, const char *sentence); /* faults of a data set, one by one; may be NULL */
     sg_progress *progress;
 } sg_learn_input_opts;
 
-#define SG_LEARN_INPUT_OPTS_INIT {SG_DATASET_OPTS_INIT, 0, 0, 0, NULL, NULL}
+#define SG_LEARN_INPUT_OPTS_INIT {SG_DATASET_OPTS_INIT, 0, 0, NULL, NULL}
 
 typedef struct {
     size_t n;

@@ -229,8 +229,10 @@ static void report(sg_progress *self, const char *step, size_t done, size_t tota
     bar.shown = t;
     if (bar.on_terminal)
         draw_bar(step, done, total, t - bar.started);
-    else
+    else if (total > 0)
         fprintf(stderr, "%s: %s: %zu of %zu, %.0f s\n", program_name, step, done, total, t - bar.started);
+    else
+        fprintf(stderr, "%s: %s: %zu, %.0f s\n", program_name, step, done, t - bar.started);
 }
 
 static bool stop(sg_progress *self)

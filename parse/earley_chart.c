@@ -184,11 +184,37 @@ static sg_status take_labels(sg_chart *c, const sg_parse_table *t, const sg_cell
     return SG_OK;
 }
 
-static sg_status sum_costs(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_error *err)
+/* Costs above those of the cheapest terminal of each cell: the chart's own copy. Over regions, where many cells are
+ * added, small numbers also keep their digits. */
+static sg_status copy_costs(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_error *err)
 {
-    const size_t w = cells->width, h = cells->height, plane = (w + 1) * (h + 1);
-    c->cost_sums = SG_NEW_ARRAY(c->arena, long double, t->nterminals *plane);
-    c->cost_holes = SG_NEW_ARRAY(c->arena, uint32_t, t->nterminals * plane);
+    const size_t n = cells->width * cells->height;
+    long double sum = 0;
+    c->costs = sg_arena_alloc(c->arena, t->nterminals * n * sizeof *c->costs + 1);
+    if (c->costs == NULL)
+        return SG_FAIL_NOMEM(err);
+    for (size_t i = 0; i < n; i++) {
+        double least = INFINITY;
+        for (size_t k = 0; k < t->nterminals; k++) {
+            const double v = cells->costs[k * n + i];
+            if (isnan(v) || v == -INFINITY)
+                return SG_FAIL(err, SG_EINVAL, "cell costs must be numbers or +infinity");
+            least = fmin(least, v);
+        }
+        least = least == INFINITY ? 0 : least;
+        sum += least;
+        for (size_t k = 0; k < t->nterminals; k++)
+            c->costs[k * n + i] = cells->costs[k * n + i] - least;
+    }
+    c->least_cost = (double)sum;
+    return SG_OK;
+}
+
+static sg_status sum_costs(sg_chart *c, const sg_parse_table *t, sg_error *err)
+{
+    const size_t w = c->width, h = c->height, plane = (w + 1) * (h + 1), n = t->nterminals * plane;
+    c->cost_sums = SG_NEW_ARRAY(c->arena, long double, n);
+    c->cost_holes = SG_NEW_ARRAY(c->arena, uint32_t, n);
     if (c->cost_sums == NULL || c->cost_holes == NULL)
         return SG_FAIL_NOMEM(err);
     for (size_t k = 0; k < t->nterminals; k++)
@@ -196,7 +222,7 @@ static sg_status sum_costs(sg_chart *c, const sg_parse_table *t, const sg_cells 
             long double sum = 0;
             uint32_t holes = 0;
             for (size_t x = 0; x < w; x++) {
-                const double v = cells->costs[(k * h + y) * w + x];
+                const double v = c->costs[(k * h + y) * w + x];
                 if (v == INFINITY)
                     holes++;
                 else
@@ -211,17 +237,8 @@ static sg_status sum_costs(sg_chart *c, const sg_parse_table *t, const sg_cells 
 
 static sg_status take_costs(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_error *err)
 {
-    const size_t n = t->nterminals * cells->width * cells->height;
-    for (size_t i = 0; i < n; i++)
-        if (isnan(cells->costs[i]) || cells->costs[i] == -INFINITY)
-            return SG_FAIL(err, SG_EINVAL, "cell costs must be numbers or +infinity");
-    if (t->mode == SG_REGION_MODE)
-        return sum_costs(c, t, cells, err);
-    c->costs = sg_arena_alloc(c->arena, n * sizeof *c->costs + 1);
-    if (c->costs == NULL)
-        return SG_FAIL_NOMEM(err);
-    memcpy(c->costs, cells->costs, n * sizeof *c->costs);
-    return SG_OK;
+    SG_TRY(copy_costs(c, t, cells, err));
+    return t->mode == SG_REGION_MODE ? sum_costs(c, t, err) : SG_OK;
 }
 
 sg_status sg_chart_begin(sg_chart *c, const sg_parse_table *t, const sg_cells *cells, sg_chart_kind kind, sg_error *err)
@@ -245,6 +262,8 @@ sg_status sg_chart_begin(sg_chart *c, const sg_parse_table *t, const sg_cells *c
     c->cost_sums = NULL;
     c->cost_holes = NULL;
     c->states = 0;
+    c->least_cost = 0;
+    c->floor = -INFINITY;
     c->log_value = -INFINITY;
     c->index = SG_NEW_ARRAY(c->arena, sg_comps **, cells->width * cells->height);
     c->groups = SG_NEW_ARRAY(c->arena, sg_group *, cells->width * cells->height);
@@ -272,12 +291,13 @@ double sg_chart_leaf_cost(const sg_chart *c, uint32_t terminal, uint32_t x, uint
 {
     if (c->labels != NULL)
         return c->labels[(size_t)y * c->width + x] == terminal ? 0 : INFINITY;
-    if (c->costs != NULL)
+    if (c->table->mode == SG_CELL_MODE)
         return c->costs[((size_t)terminal * c->height + y) * c->width + x];
     const size_t w = c->width + 1, plane = w * (c->height + 1);
     const uint32_t *holes = c->cost_holes + terminal * plane;
     if (holes[y1 * w + x1] - holes[y * w + x1] - holes[y1 * w + x] + holes[y * w + x] != 0)
         return INFINITY;
     const long double *sum = c->cost_sums + terminal * plane;
-    return (double)(sum[y1 * w + x1] - sum[y * w + x1] - (sum[y1 * w + x] - sum[y * w + x]));
+    const long double cost = sum[y1 * w + x1] - sum[y * w + x1] - (sum[y1 * w + x] - sum[y * w + x]);
+    return cost > 0 ? (double)cost : 0; /* it is, but for rounding */
 }

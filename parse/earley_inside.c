@@ -16,15 +16,16 @@
 #include <string.h>
 
 typedef sg_ext value;
-#define VALUE_ZERO          sg_ext_zero()
-#define value_is_zero(v)    sg_ext_is_zero(v)
-#define value_mul(a, b)     sg_ext_mul((a), (b))
-#define value_add(a, b)     sg_ext_add((a), (b))
-#define value_of_cost(cost) sg_ext_exp(-(cost))
-#define PREFIX_END_P(e)     ((e).p)
-#define LEAF_P(leaf)        ((leaf)->p)
-#define UNIT_P(u)           ((u)->p)
-#define CLOSURE(c)          ((c)->sum)
+#define VALUE_ZERO                  sg_ext_zero()
+#define value_is_zero(v)            sg_ext_is_zero(v)
+#define value_mul(a, b)             sg_ext_mul((a), (b))
+#define value_add(a, b)             sg_ext_add((a), (b))
+#define value_of_cost(cost)         sg_ext_exp(-(cost))
+#define value_is_hopeless(v, chart) ((void)(chart), false)
+#define PREFIX_END_P(e)             ((e).p)
+#define LEAF_P(leaf)                ((leaf)->p)
+#define UNIT_P(u)                   ((u)->p)
+#define CLOSURE(c)                  ((c)->sum)
 #include "parse/earley_walk.inc"
 
 sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_inside,
@@ -36,7 +37,7 @@ sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_ch
         c->kind = SG_CHART_EMPTY;
         return SG_FAIL_NOMEM(err);
     }
-    c->log_value = sg_ext_log(v);
+    c->log_value = sg_ext_log(v) - c->least_cost;
     *log_inside = c->log_value;
     return SG_OK;
 }

@@ -209,14 +209,16 @@ struct sg_chart {
     sg_arena *arena;        /* lives until the next parse */
     uint16_t *labels;       /* [height][width], or NULL: costs; labels that no rule makes are nterminals */
     uint16_t *runs;         /* [height][width] region mode: cells of this label from here to the right */
-    double *costs;          /* cell mode: [nterminals][height][width] */
+    double *costs;          /* [nterminals][height][width] above the least of the cell */
     long double *cost_sums; /* region mode: [nterminals][height + 1][width + 1] over the finite ones */
     uint32_t *cost_holes;   /* region mode: the number of infinite ones, the same shape */
     sg_comps ***index;      /* [height][width] -> [nsymbols]; NULL: not predicted */
     sg_group **groups;      /* [height][width] */
     uint16_t *iota;         /* [max side + 1] 0, 1, 2, ... */
     size_t states;
-    double log_value; /* of the axiom over all cells */
+    double least_cost; /* sum over the cells of their cheapest terminal: costs are kept above it */
+    double floor;      /* Viterbi: lower values are not worth keeping */
+    double log_value;  /* of the axiom over all cells */
     sg_level **levels;
     size_t nlevels, levels_capacity;
     size_t level_symbols, level_leaves, level_width, level_height; /* what the levels are made for */

@@ -314,7 +314,7 @@ static sg_status set_rule_probabilities(sg_parse_table *t, const double *p, size
     }
     for (uint32_t r = 0; r < t->nrules; r++) {
         t->rules[r].p = *(const double *)(const void *)((const char *)p + r * stride);
-        t->rules[r].log_p = log(t->rules[r].p);
+        t->rules[r].log_p = fmin(log(t->rules[r].p), 0); /* bounds rely on it */
     }
     return SG_OK;
 }

@@ -162,6 +162,26 @@ START_TEST(costs_take_the_place_of_labels)
 }
 END_TEST
 
+/* Dear cells: the best derivation is found by several passes with lower and lower floors, or by none. */
+START_TEST(large_costs_change_nothing)
+{
+    fixture f;
+    begin(&f, _i, 17);
+    size_t outside = 0;
+    for (int k = 0; k < CASES / 2; k++) {
+        draw_costs(&f, 4);
+        for (size_t i = 0; i < f.g.form.nterminals * f.c.cells.width * f.c.cells.height; i++)
+            f.c.costs[i] *= 200; /* a long double holds exp(-11000) */
+        const double got = viterbi(&f), want = tabular(&f, true);
+        ck_assert_msg(got == want || fabs(got - want) <= 1e-13 * fabs(want) + 1e-10, "%.17g, not %.17g", got, want);
+        outside += got == -INFINITY;
+    }
+    ck_assert_uint_gt(outside, 0);
+    ck_assert_uint_lt(outside, CASES / 2);
+    end(&f);
+}
+END_TEST
+
 /* Score a tree by its rules and leaves, and check that it is one: symbols, extents, order, counts. */
 static size_t check_tree(const fixture *f, const sg_parse_node *nodes, size_t at, uint32_t symbol, double *score,
                          double *counts)
@@ -619,6 +639,7 @@ int main(void)
     tcase_add_loop_test(tc, inside_is_zero_outside_the_language, 0, 20);
     tcase_add_loop_test(tc, larger_lattices_equal_the_tabular_algorithm, 0, 8);
     tcase_add_loop_test(tc, costs_take_the_place_of_labels, 0, 8);
+    tcase_add_loop_test(tc, large_costs_change_nothing, 0, 8);
     tcase_add_loop_test(tc, the_best_derivation_has_the_best_score, 0, 12);
     tcase_add_test(tc, ties_break_by_rule_then_by_cut);
     tcase_add_loop_test(tc, expected_counts_are_finite_differences, 0, 8);

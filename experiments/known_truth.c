@@ -30,7 +30,7 @@ static const char help[] =
     "  --lattices N       to learn from (default 40)\n"
     "  --samples N        to compare, of each (default 150)\n"
     "  --seeds N          (default 10)\n"
-    "  --weight W         of the prior (default 0.3)\n"
+    "  --weight W         of the prior (default 1)\n"
     "  --regroup HOW      none, pairs, floors, best (default)\n" SG_COMMON_HELP;
 
 typedef struct {
@@ -258,7 +258,7 @@ int main(int argc, char **argv)
         {"lattices", required_argument, NULL, OPT_LATTICES}, {"samples", required_argument, NULL, OPT_SAMPLES},
         {"seeds", required_argument, NULL, OPT_SEEDS},       {"weight", required_argument, NULL, OPT_WEIGHT},
         {"regroup", required_argument, NULL, OPT_REGROUP},   SG_COMMON_LONG_OPTIONS, {NULL, 0, NULL, 0}};
-    options o = {SG_COMMON_OPTS_INIT, 40, 150, 10, 0.3, BEST};
+    options o = {SG_COMMON_OPTS_INIT, 40, 150, 10, 1, BEST};
     sg_error err = SG_ERROR_INIT;
     sg_program_begin("known_truth");
     for (int opt; (opt = getopt_long(argc, argv, "", long_options, NULL)) != -1;) {

@@ -29,7 +29,7 @@ static const char help[] =
     "  --accuracy A       or show at least this share of the pixels right (default: by\n"
     "                     description length)\n"
     "The energy: weight * description length - log P(data)\n"
-    "  --weight W         weight of the prior (default 0.3)\n"
+    "  --weight W         weight of the prior (default 1)\n"
     "  --data-term TERM   marginal (default) or viterbi\n"
     "  --alpha A          of the Dirichlet prior of rule probabilities (default 1)\n"
     "  --length-prior P   of right-hand sides: poisson (default) or none\n"

@@ -58,9 +58,8 @@ static sg_status time_parse(bool viterbi, const sg_parse_table *t, const sg_cell
     return SG_OK;
 }
 
-/* Inside values of regions over costs are those of nearly all rectangles of all symbols: left out for facades. */
-static sg_status measure_one(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *counts, figures *f,
-                             sg_error *err)
+static sg_status measure_one(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, bool sums, double *counts,
+                             figures *f, sg_error *err)
 {
     double ms, value;
     SG_TRY(time_parse(true, t, cells, c, &ms, &value, err));
@@ -71,14 +70,16 @@ static sg_status measure_one(const sg_parse_table *t, const sg_cells *cells, sg_
     if (value != -INFINITY)
         SG_TRY(sg_earley_viterbi_counts(t, c, counts, err));
     f->counts += now_ms() - begin;
-    SG_TRY(time_parse(false, t, cells, c, &ms, &value, err));
-    f->inside += ms;
-    begin = now_ms();
-    SG_TRY(sg_earley_expected_counts(t, c, counts, err));
-    f->expected += now_ms() - begin;
-    f->megabytes = fmax(f->megabytes, (double)sg_chart_bytes(c) * 1e-6);
     f->parsed += value != -INFINITY;
     f->n++;
+    if (sums) {
+        SG_TRY(time_parse(false, t, cells, c, &ms, &value, err));
+        f->inside += ms;
+        begin = now_ms();
+        SG_TRY(sg_earley_expected_counts(t, c, counts, err));
+        f->expected += now_ms() - begin;
+    }
+    f->megabytes = fmax(f->megabytes, (double)sg_chart_bytes(c) * 1e-6);
     return SG_OK;
 }
 
@@ -95,8 +96,9 @@ static sg_status time_table(const sg_split_form *form, sg_leaf_mode mode, sg_par
     return SG_OK;
 }
 
-static sg_status measure(const sg_split_form *form, sg_leaf_mode mode, const sg_cells *cells, size_t n, figures *f,
-                         sg_error *err)
+/* sums: inside and expected counts too. Over costs they are those of nearly all rectangles of all symbols. */
+static sg_status measure(const sg_split_form *form, sg_leaf_mode mode, const sg_cells *cells, size_t n, bool sums,
+                         figures *f, sg_error *err)
 {
     sg_parse_table *t;
     sg_chart *c = NULL;
@@ -105,7 +107,7 @@ static sg_status measure(const sg_split_form *form, sg_leaf_mode mode, const sg_
     double *counts = calloc(form->nrules + 1, sizeof *counts);
     sg_status st = counts != NULL ? sg_chart_create(&c, err) : SG_FAIL_NOMEM(err);
     for (size_t i = 0; i < n && st == SG_OK; i++)
-        st = measure_one(t, &cells[i], c, counts, f, err);
+        st = measure_one(t, &cells[i], c, sums, counts, f, err);
     f->viterbi /= (double)n;
     f->counts /= (double)n;
     f->inside /= (double)n;
@@ -123,11 +125,21 @@ static void print_head(void)
            "table", "Viterbi", "slowest", "its tree", "inside", "expected", "states", "MB");
 }
 
-static void print_figures(const char *name, const sg_split_form *form, const figures *f)
+static void print_ms(double ms, bool known)
 {
-    printf("%-34s %6zu %6zu %3zu/%-3zu %7.3f %9.3f %9.3f %8.3f %9.3f %9.3f %9.0f %8.1f\n", name, form->nsymbols,
-           form->nrules, f->parsed, f->n, f->table, f->viterbi, f->slowest, f->counts, f->inside, f->expected,
-           f->states, f->megabytes);
+    if (known)
+        printf(" %9.3f", ms);
+    else
+        printf(" %9s", "-");
+}
+
+static void print_figures(const char *name, const sg_split_form *form, bool sums, const figures *f)
+{
+    printf("%-34s %6zu %6zu %3zu/%-3zu %7.3f %9.3f %9.3f %8.3f", name, form->nsymbols, form->nrules, f->parsed, f->n,
+           f->table, f->viterbi, f->slowest, f->counts);
+    print_ms(f->inside, sums);
+    print_ms(f->expected, sums);
+    printf(" %9.0f %8.1f\n", f->states, f->megabytes);
     fflush(stdout);
 }
 
@@ -173,9 +185,9 @@ static sg_status bench_files(const char *name, sg_leaf_mode mode, bool costs, ch
     }
     figures f;
     if (st == SG_OK)
-        st = measure(&form, mode, cells + 1, n - 1, &f, err);
+        st = measure(&form, mode, cells + 1, n - 1, !costs, &f, err);
     if (st == SG_OK)
-        print_figures(name != NULL ? name : files[0], &form, &f);
+        print_figures(name != NULL ? name : files[0], &form, !costs, &f);
     sg_grammar_free(g);
     return st;
 }
@@ -228,10 +240,10 @@ static sg_status bench_facades(sg_arena *arena, sg_error *err)
         SG_TRY(sg_lattice_cells(&lattices[i], &form, arena, &cells[i], err));
     printf("synthetic facades of 25 x 25 cells, their initial grammar; milliseconds a lattice\n");
     print_head();
-    SG_TRY(measure(&form, SG_CELL_MODE, cells, FACADES, &f, err));
-    print_figures("initial grammar, by cells", &form, &f);
-    SG_TRY(measure(&form, SG_REGION_MODE, cells, FACADES, &f, err));
-    print_figures("initial grammar, by regions", &form, &f);
+    SG_TRY(measure(&form, SG_CELL_MODE, cells, FACADES, true, &f, err));
+    print_figures("initial grammar, by cells", &form, true, &f);
+    SG_TRY(measure(&form, SG_REGION_MODE, cells, FACADES, true, &f, err));
+    print_figures("initial grammar, by regions", &form, true, &f);
     return SG_OK;
 }
 
@@ -303,7 +315,7 @@ static sg_status bench_curve(const curve *c, size_t largest, sg_error *err)
             return SG_FAIL_NOMEM(err);
         }
         const sg_cells cells = {SIDES[i], SIDES[i], c->costs ? NULL : labels, c->costs ? costs : NULL};
-        const sg_status st = measure(&form, c->mode, &cells, 1, &f, err);
+        const sg_status st = measure(&form, c->mode, &cells, 1, true, &f, err);
         free(labels);
         free(costs);
         SG_TRY(st);

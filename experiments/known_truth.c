@@ -3,11 +3,11 @@
  *
  *   known_truth [--lattices N] [--samples N] [--seeds N] [--weight W] GRAMMAR...
  *
- * Label lattices are drawn from each grammar in cell mode, and grammars are learned from them by beam search and greedily.
- * Printed per seed: the energies of both less that of the truth (the truth with the counts of its Viterbi parses of the same
- * lattices, rules that are not used left out), relative to the truth's; and the least Bonferroni-corrected p of two-sample
- * tests between lattices drawn from the truth and from the learned grammar: numbers of rows, of columns, of each label, of
- * each pair of neighbouring labels, by chi-square on their values. */
+ * Label lattices are drawn from each grammar in cell mode, and grammars are learned from them by beam search and
+ * greedily. Printed per seed: the energies of both less that of the truth (the truth with the counts of its Viterbi
+ * parses of the same lattices, rules that are not used left out), relative to the truth's; and the least
+ * Bonferroni-corrected p of two-sample tests between lattices drawn from the truth and from the learned grammar:
+ * numbers of rows, of columns, of each label, of each pair of neighbouring labels, by chi-square on their values. */
 #include "config.h"
 
 #include "core/random.h"
@@ -24,14 +24,13 @@
 enum { BEST = 3 };
 enum { OPT_LATTICES = SG_OPT_OWN, OPT_SAMPLES, OPT_SEEDS, OPT_WEIGHT, OPT_REGROUP };
 
-static const char help[] =
-    "Usage: known_truth GRAMMAR...\n"
-    "Learn grammars from lattices that grammars made, and compare with the truth.\n\n"
-    "  --lattices N       to learn from (default 40)\n"
-    "  --samples N        to compare, of each (default 150)\n"
-    "  --seeds N          (default 10)\n"
-    "  --weight W         of the prior (default 1)\n"
-    "  --regroup HOW      none, pairs, floors, best (default)\n" SG_COMMON_HELP;
+static const char help[] = "Usage: known_truth GRAMMAR...\n"
+                           "Learn grammars from lattices that grammars made, and compare with the truth.\n\n"
+                           "  --lattices N       to learn from (default 40)\n"
+                           "  --samples N        to compare, of each (default 150)\n"
+                           "  --seeds N          (default 10)\n"
+                           "  --weight W         of the prior (default 1)\n"
+                           "  --regroup HOW      none, pairs, floors, best (default)\n" SG_COMMON_HELP;
 
 typedef struct {
     sg_common_opts common;
@@ -84,8 +83,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Chi-square test of homogeneity over value classes; neighbouring values are joined until ten are in each class. NaN: there
- * is one class only. */
+/* Chi-square test of homogeneity over value classes; neighbouring values are joined until ten are in each class. NaN:
+ * there is one class only. */
 static double two_sample_p(const double *u, const double *v, size_t n, double *scratch)
 {
     memcpy(scratch, u, n * sizeof *u);
@@ -211,23 +210,26 @@ static sg_status run_grammar(const char *path, const options *o, sg_error *err)
     SG_TRY(sg_grammar_load(path, &g, err));
     sg_status st = sg_split_form_of(g, forms, &truth, err);
     if (st == SG_OK)
-        printf("%s: %zu symbols, %zu rules\nseed\ttruth\tbeam\tgreedy\tsymbols\trules\tp\n", path, truth.nsymbols, truth.nrules);
+        printf("%s: %zu symbols, %zu rules\nseed\ttruth\tbeam\tgreedy\tsymbols\trules\tp\n", path, truth.nsymbols,
+               truth.nrules);
     for (size_t seed = 1; seed <= o->seeds && st == SG_OK; seed++) {
         outcome out;
         sg_arena_reset(arena);
         st = run_seed(&truth, o, seed + 1000 * o->common.seed, arena, &out, err);
         if (st != SG_OK)
             break;
-        const double scale = fabs(out.truth), beam = (out.beam - out.truth) / scale, greedy = (out.greedy - out.truth) / scale;
+        const double scale = fabs(out.truth), beam = (out.beam - out.truth) / scale,
+                     greedy = (out.greedy - out.truth) / scale;
         beam_good += beam <= 1e-9;
         greedy_good += greedy <= 0.01;
         alike += out.p > 0.01;
-        printf("%zu\t%.3f\t%+.3f%%\t%+.3f%%\t%zu\t%zu\t%.3g\n", seed, out.truth, 100 * beam, 100 * greedy, out.nonterminals,
-               out.rules, out.p);
+        printf("%zu\t%.3f\t%+.3f%%\t%+.3f%%\t%zu\t%zu\t%.3g\n", seed, out.truth, 100 * beam, 100 * greedy,
+               out.nonterminals, out.rules, out.p);
         fflush(stdout);
     }
     if (st == SG_OK)
-        printf("beam at or below the truth: %zu of %zu; greedy within 1 %% or below: %zu; samples alike (p > 0.01): %zu\n\n",
+        printf("beam at or below the truth: %zu of %zu; greedy within 1 %% or below: %zu; samples alike (p > 0.01): "
+               "%zu\n\n",
                beam_good, o->seeds, greedy_good, alike);
     sg_grammar_free(g);
     sg_arena_free(arena);
@@ -254,10 +256,13 @@ static bool set_option(int opt, const char *arg, options *o)
 
 int main(int argc, char **argv)
 {
-    static const struct option long_options[] = {
-        {"lattices", required_argument, NULL, OPT_LATTICES}, {"samples", required_argument, NULL, OPT_SAMPLES},
-        {"seeds", required_argument, NULL, OPT_SEEDS},       {"weight", required_argument, NULL, OPT_WEIGHT},
-        {"regroup", required_argument, NULL, OPT_REGROUP},   SG_COMMON_LONG_OPTIONS, {NULL, 0, NULL, 0}};
+    static const struct option long_options[] = {{"lattices", required_argument, NULL, OPT_LATTICES},
+                                                 {"samples", required_argument, NULL, OPT_SAMPLES},
+                                                 {"seeds", required_argument, NULL, OPT_SEEDS},
+                                                 {"weight", required_argument, NULL, OPT_WEIGHT},
+                                                 {"regroup", required_argument, NULL, OPT_REGROUP},
+                                                 SG_COMMON_LONG_OPTIONS,
+                                                 {NULL, 0, NULL, 0}};
     options o = {SG_COMMON_OPTS_INIT, 40, 150, 10, 1, BEST};
     sg_error err = SG_ERROR_INIT;
     sg_program_begin("known_truth");

@@ -21,9 +21,9 @@ void sg_candidates_clear(sg_candidates *c)
 
 sg_status sg_candidates_copy(sg_candidates *dst, const sg_candidates *src, sg_error *err)
 {
-    if (!SG_GROW(dst->heap, dst->heap_capacity, src->nheap)
-        || !SG_GROW(dst->coincidences, dst->coincidences_capacity, src->ncoincidences)
-        || !SG_GROW(dst->specials, dst->specials_capacity, src->nspecials))
+    if (!SG_GROW(dst->heap, dst->heap_capacity, src->nheap) ||
+        !SG_GROW(dst->coincidences, dst->coincidences_capacity, src->ncoincidences) ||
+        !SG_GROW(dst->specials, dst->specials_capacity, src->nspecials))
         return SG_FAIL_NOMEM(err);
     dst->nheap = src->nheap;
     dst->ncoincidences = src->ncoincidences;
@@ -85,8 +85,8 @@ static bool append(sg_candidates *c, const sg_rules *r, uint32_t a, uint32_t b)
     if (!SG_GROW(c->heap, c->heap_capacity, c->nheap + 1))
         return false;
     const uint32_t low = a < b ? a : b, high = a < b ? b : a;
-    c->heap[c->nheap++] = (sg_heap_entry){{sg_merge_plain_part(r, low, high), low, high},
-                                          r->symbols[low].version, r->symbols[high].version};
+    c->heap[c->nheap++] = (sg_heap_entry){
+        {sg_merge_plain_part(r, low, high), low, high}, r->symbols[low].version, r->symbols[high].version};
     return true;
 }
 
@@ -130,8 +130,7 @@ static bool add_fresh(sg_candidates *c, uint32_t a, uint32_t b, uint32_t rule, u
     if (!SG_GROW(c->coincidences, c->coincidences_capacity, c->ncoincidences + 1))
         return false;
     const bool swap = other != SG_NONE && other < rule;
-    c->coincidences[c->ncoincidences++] =
-        (sg_coincidence){a, b, swap ? other : rule, swap ? rule : other, true};
+    c->coincidences[c->ncoincidences++] = (sg_coincidence){a, b, swap ? other : rule, swap ? rule : other, true};
     return true;
 }
 
@@ -141,8 +140,8 @@ static bool look_around(sg_candidates *c, const sg_rules *r, uint32_t rule, uint
     const sg_learn_rule *x = &r->rules[rule];
     if (x->op != SG_SPLIT_LEXICAL && x->n == 1) {
         const uint32_t s = r->rhs[x->first];
-        if (sg_rules_compatible(r, x->lhs, s)
-            && !add_fresh(c, x->lhs < s ? x->lhs : s, x->lhs < s ? s : x->lhs, rule, SG_NONE))
+        if (sg_rules_compatible(r, x->lhs, s) &&
+            !add_fresh(c, x->lhs < s ? x->lhs : s, x->lhs < s ? s : x->lhs, rule, SG_NONE))
             return false;
     }
     for (uint32_t j = sg_rules_bucket(r, rule); j != SG_NONE; j = r->rules[j].next_in_bucket) {
@@ -199,7 +198,8 @@ static bool is_special(const sg_candidates *c, uint32_t a, uint32_t b)
 }
 
 /* A part may be kept when no coincidence came or went and no symbol that it speaks of changed. */
-static bool is_unchanged(const sg_rules *r, const sg_coincidence *run, uint32_t n, const sg_special_pair *old, uint32_t mark)
+static bool is_unchanged(const sg_rules *r, const sg_coincidence *run, uint32_t n, const sg_special_pair *old,
+                         uint32_t mark)
 {
     if (old == NULL || old->n != n || r->symbols[run->a].stamp == mark || r->symbols[run->b].stamp == mark)
         return false;
@@ -218,8 +218,8 @@ static bool release(sg_candidates *c, const sg_rules *r, const sg_special_pair *
 static sg_status list_specials(sg_candidates *c, sg_rules *r, uint32_t mark, sg_error *err)
 {
     const size_t nold = c->nspecials;
-    if (!SG_GROW(c->old_specials, c->old_capacity, nold)
-        || !SG_GROW(c->specials, c->specials_capacity, c->ncoincidences))
+    if (!SG_GROW(c->old_specials, c->old_capacity, nold) ||
+        !SG_GROW(c->specials, c->specials_capacity, c->ncoincidences))
         return SG_FAIL_NOMEM(err);
     if (nold > 0)
         memcpy(c->old_specials, c->specials, nold * sizeof *c->specials);
@@ -227,13 +227,14 @@ static sg_status list_specials(sg_candidates *c, sg_rules *r, uint32_t mark, sg_
     size_t old = 0;
     for (size_t i = 0, end; i < c->ncoincidences; i = end) {
         const sg_coincidence *run = &c->coincidences[i];
-        for (end = i + 1; end < c->ncoincidences && c->coincidences[end].a == run->a && c->coincidences[end].b == run->b;)
+        for (end = i + 1;
+             end < c->ncoincidences && c->coincidences[end].a == run->a && c->coincidences[end].b == run->b;)
             end++;
         for (; old < nold && compare_pairs(run->a, run->b, &c->old_specials[old]) > 0; old++)
             if (!release(c, r, &c->old_specials[old]))
                 return SG_FAIL_NOMEM(err);
-        const sg_special_pair *was = old < nold && compare_pairs(run->a, run->b, &c->old_specials[old]) == 0
-                                         ? &c->old_specials[old++] : NULL;
+        const sg_special_pair *was =
+            old < nold && compare_pairs(run->a, run->b, &c->old_specials[old]) == 0 ? &c->old_specials[old++] : NULL;
         sg_special_pair *p = &c->specials[c->nspecials++];
         *p = (sg_special_pair){.a = run->a, .b = run->b, .first = (uint32_t)i, .n = (uint32_t)(end - i)};
         if (is_unchanged(r, run, p->n, was, mark))
@@ -340,8 +341,8 @@ sg_status sg_candidates_update(sg_candidates *c, sg_rules *r, sg_error *err)
 static bool is_current(const sg_candidates *c, const sg_rules *r, const sg_heap_entry *e)
 {
     const sg_learn_symbol *a = &r->symbols[e->candidate.a], *b = &r->symbols[e->candidate.b];
-    return a->alive && b->alive && a->version == e->version_a && b->version == e->version_b
-           && !is_special(c, e->candidate.a, e->candidate.b);
+    return a->alive && b->alive && a->version == e->version_a && b->version == e->version_b &&
+           !is_special(c, e->candidate.a, e->candidate.b);
 }
 
 bool sg_candidates_best(sg_candidates *c, const sg_rules *r, sg_candidate *out)

@@ -4,8 +4,8 @@
  * Most pairs make no rules equal: their part of the change depends on the counts of the two symbols alone and stands in
  * a heap. The others, found as coincidences between rules of one bucket, are few and stand in a list with their parts
  * (which depend on the number of symbols as well). After an operation only coincidences of changed rules are looked for
- * again, and only parts of pairs with changed symbols are computed again; entries of the heap are dropped when they come
- * up with an old version of a symbol. */
+ * again, and only parts of pairs with changed symbols are computed again; entries of the heap are dropped when they
+ * come up with an old version of a symbol. */
 #ifndef SG_LEARN_CANDIDATES_H
 #define SG_LEARN_CANDIDATES_H
 

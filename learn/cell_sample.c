@@ -52,7 +52,8 @@ static block make_block(work *w, size_t width, size_t height)
 static void paste(block *to, const block *part, size_t x, size_t y)
 {
     for (size_t r = 0; r < part->height; r++)
-        memcpy(to->labels + (y + r) * to->width + x, part->labels + r * part->width, part->width * sizeof *part->labels);
+        memcpy(to->labels + (y + r) * to->width + x, part->labels + r * part->width,
+               part->width * sizeof *part->labels);
 }
 
 static block join(work *w, const block *parts, uint32_t n, bool x)
@@ -131,7 +132,8 @@ sg_status sg_cell_sample(const sg_split_form *form, gsl_rng *rng, size_t tries, 
     sg_arena *scratch = sg_arena_create();
     if (scratch == NULL)
         return SG_FAIL_NOMEM(err);
-    work w = {.form = form, .first = find_first_rules(form, scratch), .rng = rng, .arena = scratch, .max_cells = max_cells};
+    work w = {
+        .form = form, .first = find_first_rules(form, scratch), .rng = rng, .arena = scratch, .max_cells = max_cells};
     sg_status st = w.first != NULL ? SG_ENUMERIC : SG_ENOMEM;
     const sg_mark mark = sg_arena_mark(scratch);
     for (size_t i = 0; i < tries && st == SG_ENUMERIC; i++) {

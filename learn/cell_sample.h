@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cell_sample.h - label lattices drawn from a split grammar in cell mode: every lexical symbol is one cell.
- * Parts side by side must have equally many rows, parts one above the other equally many columns; derivations that do not
- * fit make no lattice (the mass deficiency of MATHEMATICS B1.3), so what is drawn is the grammar's distribution given that
- * there is one. */
+ * Parts side by side must have equally many rows, parts one above the other equally many columns; derivations that do
+ * not fit make no lattice (the mass deficiency of MATHEMATICS B1.3), so what is drawn is the grammar's distribution
+ * given that there is one. */
 #ifndef SG_LEARN_CELL_SAMPLE_H
 #define SG_LEARN_CELL_SAMPLE_H
 

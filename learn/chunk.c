@@ -55,15 +55,16 @@ static void add_effect(const sg_rules *r, const sg_learn_rule *x, uint32_t m, ui
     if (m == 0)
         return;
     e->replaced += m;
-    e->log_lengths += sg_energy_log_length(&r->energy_opts, x->n - m * (n - 1)) - sg_energy_log_length(&r->energy_opts, x->n);
+    e->log_lengths +=
+        sg_energy_log_length(&r->energy_opts, x->n - m * (n - 1)) - sg_energy_log_length(&r->energy_opts, x->n);
 }
 
 static double energy_change(const sg_rules *r, const effect *e, uint32_t n)
 {
     const double symbols = (double)r->live_symbols, total = (double)r->rhs_total;
     const double after = total + n - (double)e->replaced * (n - 1);
-    const double dl = after * log(symbols + 1) - total * log(symbols) - e->log_lengths
-                      - sg_energy_log_length(&r->energy_opts, n);
+    const double dl =
+        after * log(symbols + 1) - total * log(symbols) - e->log_lengths - sg_energy_log_length(&r->energy_opts, n);
     return r->energy_opts.weight * dl;
 }
 
@@ -124,7 +125,8 @@ static double score_group(const sg_rules *r, const place *p, size_t count, uint3
 }
 
 /* Better, or as good and earlier in the rules, or there and longer. */
-static bool improves(double delta, const place *p, uint32_t n, const sg_chunk *best, const place *best_place, bool found)
+static bool improves(double delta, const place *p, uint32_t n, const sg_chunk *best, const place *best_place,
+                     bool found)
 {
     if (!found || delta != best->delta)
         return !found || delta < best->delta;
@@ -215,14 +217,15 @@ static void split_row(const double *row, const uint32_t *starts, uint32_t n, uin
     }
 }
 
-static bool split_sizes(sg_rules *r, uint32_t rule, uint32_t chunk_rule, const uint32_t *starts, uint32_t old_n, uint32_t m)
+static bool split_sizes(sg_rules *r, uint32_t rule, uint32_t chunk_rule, const uint32_t *starts, uint32_t old_n,
+                        uint32_t m)
 {
     const size_t nrows = sg_rules_size_count(r, rule);
     const uint32_t n = r->rules[rule].n, chunk_n = r->rules[chunk_rule].n;
     if (nrows == 0)
         return true;
-    double *shorter = SG_NEW_ARRAY(r->arena, double, nrows * n);
-    double *chunks = SG_NEW_ARRAY(r->arena, double, nrows * m * chunk_n), *next = chunks;
+    double *shorter = SG_NEW_ARRAY(r->arena, double, nrows *n);
+    double *chunks = SG_NEW_ARRAY(r->arena, double, nrows *m *chunk_n), *next = chunks;
     if (shorter == NULL || chunks == NULL)
         return false;
     size_t at = 0;
@@ -244,8 +247,8 @@ static bool chunk_rule(sg_rules *r, uint32_t rule, const sg_chunk *c, uint32_t s
     sg_rules_set_length(r, rule, replace(r, x, c, symbol, starts));
     sg_rules_enter_bucket(r, rule);
     sg_rules_set_count(r, new_rule, r->rules[new_rule].count + m * x->count);
-    const bool good = split_sizes(r, rule, new_rule, starts, old_n, m) && sg_rules_add_use(r, symbol, rule)
-                      && sg_changes_add_rule(&r->changes, rule);
+    const bool good = split_sizes(r, rule, new_rule, starts, old_n, m) && sg_rules_add_use(r, symbol, rule) &&
+                      sg_changes_add_rule(&r->changes, rule);
     free(starts);
     return good;
 }
@@ -256,8 +259,8 @@ sg_status sg_chunk_apply(sg_rules *r, const sg_chunk *c, const char *name, uint3
     const uint32_t set = label_set_of(r, c->op, c->rhs, c->n), had = (uint32_t)r->nrules;
     *symbol = set != SG_NONE ? sg_rules_add_symbol(r, name, set) : SG_NONE;
     const uint32_t new_rule = *symbol != SG_NONE ? sg_rules_add_rule(r, *symbol, c->op, c->rhs, c->n, 0) : SG_NONE;
-    if (new_rule == SG_NONE || !sg_changes_add_rule(&r->changes, new_rule)
-        || !sg_changes_add_symbol(&r->changes, *symbol))
+    if (new_rule == SG_NONE || !sg_changes_add_rule(&r->changes, new_rule) ||
+        !sg_changes_add_symbol(&r->changes, *symbol))
         return SG_FAIL_NOMEM(err);
     r->symbols[*symbol].kinds = chunk_kinds(r, c->op);
     for (uint32_t i = 0; i < had; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* chunk.h - chunking: a new symbol Y -> Z1..Zk for a sequence that right-hand sides repeat.
- * Each derivation goes through Y in exactly one way, so the data term stays as it is and the change of energy is that of the
- * description length alone (Stolcke and Omohundro 1994; closed form in MATHEMATICS B4). */
+ * Each derivation goes through Y in exactly one way, so the data term stays as it is and the change of energy is that
+ * of the description length alone (Stolcke and Omohundro 1994; closed form in MATHEMATICS B4). */
 #ifndef SG_LEARN_CHUNK_H
 #define SG_LEARN_CHUNK_H
 

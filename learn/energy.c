@@ -36,8 +36,8 @@ double sg_energy_symbol_term(const sg_energy_opts *o, size_t nrules, double coun
     if (o->data_term == SG_DATA_MARGINAL)
         return log_gamma(k * o->alpha) - log_gamma(k * o->alpha + count);
     const double a = o->alpha - 1;
-    return o->weight * (log_gamma(k * o->alpha) - k * log_gamma(o->alpha))
-           - x_log_y(count + o->weight * k * a, count + k * a);
+    return o->weight * (log_gamma(k * o->alpha) - k * log_gamma(o->alpha)) -
+           x_log_y(count + o->weight * k * a, count + k * a);
 }
 
 double sg_energy_log_length(const sg_energy_opts *o, size_t n)

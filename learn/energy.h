@@ -10,9 +10,9 @@
  * so that whoever changes a grammar needs to know g and z only:
  *   marginal   g(c) = lgamma(alpha + c) - lgamma(alpha),  z(k,C) = lgamma(k alpha) - lgamma(k alpha + C)
  *   viterbi    g(c) = (c + w a) log(c + a),  z(k,C) = w [lgamma(k alpha) - k lgamma(alpha)] - (C + w k a) log(C + k a)
- * with a = alpha - 1. Source: Stolcke and Omohundro, "Inducing probabilistic grammars by Bayesian model merging" (1994);
- * Martinovic and Van Gool, CVPR 2013, for w. Departs from the latter's program: its Dirichlet term has the normaliser
- * upside down, and it has no marginal form. */
+ * with a = alpha - 1. Source: Stolcke and Omohundro, "Inducing probabilistic grammars by Bayesian model merging"
+ * (1994); Martinovic and Van Gool, CVPR 2013, for w. Departs from the latter's program: its Dirichlet term has the
+ * normaliser upside down, and it has no marginal form. */
 #ifndef SG_LEARN_ENERGY_H
 #define SG_LEARN_ENERGY_H
 
@@ -26,14 +26,18 @@ typedef enum { SG_DATA_MARGINAL, SG_DATA_VITERBI } sg_data_term;
 typedef struct {
     double weight; /* w >= 0 */
     sg_data_term data_term;
-    double alpha;         /* > 0 */
-    bool poisson;         /* lengths of right-hand sides are Poisson(n - 1; mu); else free of charge */
+    double alpha; /* > 0 */
+    bool poisson; /* lengths of right-hand sides are Poisson(n - 1; mu); else free of charge */
     double mu;
 } sg_energy_opts;
 
-/** The weight is a measured one (experiments/weight_sweep.sh): over held-out ECP facades the energy per pixel of the best parse
- *  falls from 0.72 (initial grammar) by way of 0.27 (w = 0.3, the paper's) to 0.20 at w = 1, and is flat beyond. */
-#define SG_ENERGY_OPTS_INIT {1.0, SG_DATA_MARGINAL, 1.0, true, 2.0}
+/** The weight is a measured one (experiments/weight_sweep.sh): over held-out ECP facades the energy per pixel of the
+ * best parse falls from 0.72 (initial grammar) by way of 0.27 (w = 0.3, the paper's) to 0.20 at w = 1, and is flat
+ * beyond. */
+#define SG_ENERGY_OPTS_INIT                                                                                            \
+    {                                                                                                                  \
+        1.0, SG_DATA_MARGINAL, 1.0, true, 2.0                                                                          \
+    }
 
 /** g(c) above; c >= 0. */
 double sg_energy_rule_term(const sg_energy_opts *o, double count);
@@ -41,8 +45,8 @@ double sg_energy_rule_term(const sg_energy_opts *o, double count);
 double sg_energy_symbol_term(const sg_energy_opts *o, size_t nrules, double count);
 /** log P(n): the length prior of a non-lexical right-hand side of n symbols, 0 without one. */
 double sg_energy_log_length(const sg_energy_opts *o, size_t n);
-/** The probability of a rule with this count, among nrules rules with this total: the maximising one of the viterbi term
- *  (M-step with c + alpha - 1), the posterior mean of the marginal one. */
+/** The probability of a rule with this count, among nrules rules with this total: the maximising one of the viterbi
+ * term (M-step with c + alpha - 1), the posterior mean of the marginal one. */
 double sg_energy_probability(const sg_energy_opts *o, double count, size_t nrules, double total);
 
 typedef struct {

@@ -56,39 +56,59 @@ static const char help[] =
     "  --report DIR       write a page with settings, trace, grammar, lattices and samples\n" SG_COMMON_HELP;
 
 enum {
-    OPT_NAMES = SG_OPT_OWN, OPT_FOLD, OPT_CLASSES, OPT_MAX_IMAGES, OPT_CELLS, OPT_ACCURACY, OPT_WEIGHT, OPT_DATA_TERM,
-    OPT_ALPHA, OPT_LENGTH_PRIOR, OPT_SHARE, OPT_REGROUP, OPT_NO_REGROUP, OPT_COMPATIBLE, OPT_SEARCH, OPT_PATIENCE, OPT_BEAM, OPT_WALKS,
-    OPT_TEMPERATURE, OPT_CHUNK, OPT_REESTIMATE, OPT_TIED, OPT_INITIAL, OPT_REPORT
+    OPT_NAMES = SG_OPT_OWN,
+    OPT_FOLD,
+    OPT_CLASSES,
+    OPT_MAX_IMAGES,
+    OPT_CELLS,
+    OPT_ACCURACY,
+    OPT_WEIGHT,
+    OPT_DATA_TERM,
+    OPT_ALPHA,
+    OPT_LENGTH_PRIOR,
+    OPT_SHARE,
+    OPT_REGROUP,
+    OPT_NO_REGROUP,
+    OPT_COMPATIBLE,
+    OPT_SEARCH,
+    OPT_PATIENCE,
+    OPT_BEAM,
+    OPT_WALKS,
+    OPT_TEMPERATURE,
+    OPT_CHUNK,
+    OPT_REESTIMATE,
+    OPT_TIED,
+    OPT_INITIAL,
+    OPT_REPORT
 };
 
-static const struct option long_options[] = {
-    {"names", required_argument, NULL, OPT_NAMES},
-    {"fold", required_argument, NULL, OPT_FOLD},
-    {"classes", required_argument, NULL, OPT_CLASSES},
-    {"max-images", required_argument, NULL, OPT_MAX_IMAGES},
-    {"cells", required_argument, NULL, OPT_CELLS},
-    {"accuracy", required_argument, NULL, OPT_ACCURACY},
-    {"weight", required_argument, NULL, OPT_WEIGHT},
-    {"data-term", required_argument, NULL, OPT_DATA_TERM},
-    {"alpha", required_argument, NULL, OPT_ALPHA},
-    {"length-prior", required_argument, NULL, OPT_LENGTH_PRIOR},
-    {"share", required_argument, NULL, OPT_SHARE},
-    {"regroup", required_argument, NULL, OPT_REGROUP},
-    {"no-regroup", no_argument, NULL, OPT_NO_REGROUP},
-    {"compatible", required_argument, NULL, OPT_COMPATIBLE},
-    {"search", required_argument, NULL, OPT_SEARCH},
-    {"patience", required_argument, NULL, OPT_PATIENCE},
-    {"beam", required_argument, NULL, OPT_BEAM},
-    {"walks", required_argument, NULL, OPT_WALKS},
-    {"temperature", required_argument, NULL, OPT_TEMPERATURE},
-    {"chunk", no_argument, NULL, OPT_CHUNK},
-    {"reestimate", required_argument, NULL, OPT_REESTIMATE},
-    {"output", required_argument, NULL, 'o'},
-    {"tied", no_argument, NULL, OPT_TIED},
-    {"initial", required_argument, NULL, OPT_INITIAL},
-    {"report", required_argument, NULL, OPT_REPORT},
-    SG_COMMON_LONG_OPTIONS,
-    {NULL, 0, NULL, 0}};
+static const struct option long_options[] = {{"names", required_argument, NULL, OPT_NAMES},
+                                             {"fold", required_argument, NULL, OPT_FOLD},
+                                             {"classes", required_argument, NULL, OPT_CLASSES},
+                                             {"max-images", required_argument, NULL, OPT_MAX_IMAGES},
+                                             {"cells", required_argument, NULL, OPT_CELLS},
+                                             {"accuracy", required_argument, NULL, OPT_ACCURACY},
+                                             {"weight", required_argument, NULL, OPT_WEIGHT},
+                                             {"data-term", required_argument, NULL, OPT_DATA_TERM},
+                                             {"alpha", required_argument, NULL, OPT_ALPHA},
+                                             {"length-prior", required_argument, NULL, OPT_LENGTH_PRIOR},
+                                             {"share", required_argument, NULL, OPT_SHARE},
+                                             {"regroup", required_argument, NULL, OPT_REGROUP},
+                                             {"no-regroup", no_argument, NULL, OPT_NO_REGROUP},
+                                             {"compatible", required_argument, NULL, OPT_COMPATIBLE},
+                                             {"search", required_argument, NULL, OPT_SEARCH},
+                                             {"patience", required_argument, NULL, OPT_PATIENCE},
+                                             {"beam", required_argument, NULL, OPT_BEAM},
+                                             {"walks", required_argument, NULL, OPT_WALKS},
+                                             {"temperature", required_argument, NULL, OPT_TEMPERATURE},
+                                             {"chunk", no_argument, NULL, OPT_CHUNK},
+                                             {"reestimate", required_argument, NULL, OPT_REESTIMATE},
+                                             {"output", required_argument, NULL, 'o'},
+                                             {"tied", no_argument, NULL, OPT_TIED},
+                                             {"initial", required_argument, NULL, OPT_INITIAL},
+                                             {"report", required_argument, NULL, OPT_REPORT},
+                                             SG_COMMON_LONG_OPTIONS,
+                                             {NULL, 0, NULL, 0}};
 
 static const char *const data_terms[] = {"marginal", "viterbi", NULL};
 static const char *const length_priors[] = {"poisson", "none", NULL};
@@ -320,8 +340,8 @@ static sg_status write_all(const options *o, const sg_learn_input *in, const sg_
     if (o->common.json != NULL)
         SG_TRY(sg_learn_write_json(r, &o->learn, seconds, o->common.json, err));
     if (o->report != NULL)
-        SG_TRY(sg_learn_write_report(o->report, in, r, settings, list_settings(o, r, arena, settings), o->common.seed, seconds,
-                                     err));
+        SG_TRY(sg_learn_write_report(o->report, in, r, settings, list_settings(o, r, arena, settings), o->common.seed,
+                                     seconds, err));
     return SG_OK;
 }
 
@@ -329,11 +349,12 @@ static void tell(const sg_learn_input *in, const sg_learn_result *r, double seco
 {
     const sg_grammar_sizes a = sg_split_form_sizes(&r->initial), b = sg_split_form_sizes(&r->merged);
     sg_program_progress_end();
-    fprintf(stderr, "learn-grammar: %zu lattices of %.0f cells; energy %.2f -> %.2f (last re-estimation %+.3g); non-terminals"
+    fprintf(stderr,
+            "learn-grammar: %zu lattices of %.0f cells; energy %.2f -> %.2f (last re-estimation %+.3g); non-terminals"
             " %zu -> %zu, x-rules %zu -> %zu, y-rules %zu -> %zu; %zu merges, %zu chunks in %.2f s\n",
             in->n, in->cells, r->initial_energy.energy, r->energy.energy, r->energy.energy - r->searched_energy,
-            a.nonterminals, b.nonterminals, a.rules_x, b.rules_x, a.rules_y, b.rules_y, r->history.merges, r->history.chunks,
-            seconds);
+            a.nonterminals, b.nonterminals, a.rules_x, b.rules_x, a.rules_y, b.rules_y, r->history.merges,
+            r->history.chunks, seconds);
 }
 
 static sg_status learn_and_write(options *o, const sg_learn_input *in, sg_error *err)

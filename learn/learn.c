@@ -24,8 +24,8 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* The last re-estimation with the sizes of the uses. A lower bound that was carried along may, with the marginal data term,
- * lie below what the re-estimated counts give: then the carried grammar stays. */
+/* The last re-estimation with the sizes of the uses. A lower bound that was carried along may, with the marginal data
+ * term, lie below what the re-estimated counts give: then the carried grammar stays. */
 static sg_status reestimate_last(sg_rules *r, sg_reestimator *e, sg_learn_result *out, sg_error *err)
 {
     sg_rules kept = {0};
@@ -154,8 +154,8 @@ static sg_status learn_with_each(const sg_lattice *lattices, size_t n, const sg_
     return st;
 }
 
-sg_status sg_learn(const sg_lattice *lattices, size_t n, const sg_learn_opts *opts, sg_arena *arena, sg_learn_result *out,
-                   sg_error *err)
+sg_status sg_learn(const sg_lattice *lattices, size_t n, const sg_learn_opts *opts, sg_arena *arena,
+                   sg_learn_result *out, sg_error *err)
 {
     return opts->best_regroup ? learn_with_each(lattices, n, opts, arena, out, err)
                               : learn_with(lattices, n, opts, opts->incorporate.regroup, arena, out, err);

@@ -86,7 +86,8 @@ static sg_status fit_item(const sg_dataset *d, size_t item, const sg_learn_input
     return st;
 }
 
-/* Each lattice has an arena of its own, so that threads do not meet. The first failure in the order of the items counts. */
+/* Each lattice has an arena of its own, so that threads do not meet. The first failure in the order of the items
+ * counts. */
 static sg_status fit_all(const sg_dataset *d, const sg_learn_input_opts *o, sg_learn_input *in, sg_error *err)
 {
     sg_status *status = SG_NEW_ARRAY(in->arena, sg_status, in->n);
@@ -108,7 +109,8 @@ static sg_status fit_all(const sg_dataset *d, const sg_learn_input_opts *o, sg_l
     in->accuracy = 0;
     for (size_t i = 0; i < in->n; i++) {
         if (status[i] != SG_OK)
-            return SG_FAIL(err, status[i], "%s", status[i] == SG_STOPPED ? "stopped before there was a grammar" : errors[i].msg);
+            return SG_FAIL(err, status[i], "%s",
+                           status[i] == SG_STOPPED ? "stopped before there was a grammar" : errors[i].msg);
         in->accuracy += accuracy[i] / (double)in->n;
     }
     return SG_OK;
@@ -253,12 +255,13 @@ static sg_status take_class_file(sg_learn_input *in, const char *file, sg_error 
     return st;
 }
 
-static sg_status read_lattices(const char *folder, const name_list *list, const sg_learn_input_opts *o, sg_learn_input *in,
-                               sg_error *err)
+static sg_status read_lattices(const char *folder, const name_list *list, const sg_learn_input_opts *o,
+                               sg_learn_input *in, sg_error *err)
 {
     const size_t limit = o->dataset.max_images;
     if (list->n == 0)
-        return SG_FAIL(err, SG_EINPUT, "%s: neither a data set (there is no classes.tsv) nor a folder of *.lat files", folder);
+        return SG_FAIL(err, SG_EINPUT, "%s: neither a data set (there is no classes.tsv) nor a folder of *.lat files",
+                       folder);
     SG_TRY(make_room(in, limit > 0 && limit < list->n ? limit : list->n, err));
     for (size_t i = 0; i < in->n; i++) {
         const char *path = sg_arena_printf(in->arena, "%s/%s.lat", folder, list->items[i]);
@@ -268,10 +271,12 @@ static sg_status read_lattices(const char *folder, const name_list *list, const 
         SG_TRY(sg_lattice_read(path, in->arenas[i], &in->lattices[i], err));
     }
     in->accuracy = NAN;
-    return o->dataset.classes_file != NULL ? take_class_file(in, o->dataset.classes_file, err) : find_terminals(in, err);
+    return o->dataset.classes_file != NULL ? take_class_file(in, o->dataset.classes_file, err)
+                                           : find_terminals(in, err);
 }
 
-static sg_status read_lattice_folder(const char *folder, const sg_learn_input_opts *o, sg_learn_input *in, sg_error *err)
+static sg_status read_lattice_folder(const char *folder, const sg_learn_input_opts *o, sg_learn_input *in,
+                                     sg_error *err)
 {
     name_list list = {NULL, 0, 0};
     sg_status st = o->dataset.names_file != NULL ? list_named(o->dataset.names_file, in->arena, &list, err)
@@ -286,8 +291,8 @@ static bool is_dataset(const char *folder, const sg_learn_input_opts *o, sg_aren
 {
     const char *classes = sg_arena_printf(arena, "%s/classes.tsv", folder);
     const char *labels = sg_arena_printf(arena, "%s/labels", folder);
-    return classes != NULL && labels != NULL
-           && (sg_file_exists(classes) || (o->dataset.classes_file != NULL && sg_folder_exists(labels)));
+    return classes != NULL && labels != NULL &&
+           (sg_file_exists(classes) || (o->dataset.classes_file != NULL && sg_folder_exists(labels)));
 }
 
 sg_status sg_learn_input_read(const char *folder, const sg_learn_input_opts *o, sg_learn_input *out, sg_error *err)
@@ -297,8 +302,9 @@ sg_status sg_learn_input_read(const char *folder, const sg_learn_input_opts *o, 
         return SG_FAIL_NOMEM(err);
     sg_status st;
     if (!is_dataset(folder, o, in.arena)) {
-        st = o->dataset.fold != 0 ? SG_FAIL(err, SG_EINPUT, "%s: no data set (there is no classes.tsv), so it has no folds", folder)
-                                  : read_lattice_folder(folder, o, &in, err);
+        st = o->dataset.fold != 0
+                 ? SG_FAIL(err, SG_EINPUT, "%s: no data set (there is no classes.tsv), so it has no folds", folder)
+                 : read_lattice_folder(folder, o, &in, err);
     } else {
         sg_dataset d;
         st = sg_dataset_open(folder, &o->dataset, in.arena, o->fault, NULL, &d, err);

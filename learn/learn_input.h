@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* learn_input.h - the lattices to learn from: fitted to the label maps of a data set, or read from a folder of *.lat. */
+/* learn_input.h - the lattices to learn from: fitted to the label maps of a data set, or read from a folder of *.lat.
+ */
 #ifndef SG_LEARN_LEARN_INPUT_H
 #define SG_LEARN_LEARN_INPUT_H
 
@@ -16,18 +17,21 @@ typedef struct {
     sg_progress *progress;
 } sg_learn_input_opts;
 
-#define SG_LEARN_INPUT_OPTS_INIT {SG_DATASET_OPTS_INIT, 0, 0, NULL, NULL}
+#define SG_LEARN_INPUT_OPTS_INIT                                                                                       \
+    {                                                                                                                  \
+        SG_DATASET_OPTS_INIT, 0, 0, NULL, NULL                                                                         \
+    }
 
 typedef struct {
     size_t n;
-    sg_lattice *lattices;    /* [n] */
-    const char **names;      /* [n] of the items */
+    sg_lattice *lattices; /* [n] */
+    const char **names;   /* [n] of the items */
     size_t nterminals;
     const char **terminal_names;
     uint32_t *terminal_colors;
-    double cells;            /* mean number a lattice */
-    double accuracy;         /* mean share of the pixels that the lattices show right; NaN for lattices from files */
-    sg_arena **arenas;       /* [n] of the lattices */
+    double cells;      /* mean number a lattice */
+    double accuracy;   /* mean share of the pixels that the lattices show right; NaN for lattices from files */
+    sg_arena **arenas; /* [n] of the lattices */
     sg_arena *arena;
 } sg_learn_input;
 

@@ -47,18 +47,17 @@ static const char *const regroups[] = {"none", "pairs", "floors"}; /* by sg_regr
 static json_t *result_json(const sg_learn_result *r, const sg_learn_opts *opts, double seconds)
 {
     const sg_grammar_sizes s = sg_split_form_sizes(&r->merged);
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:o, s:o, s:o, s:o, s:o}",
-                     "energy", r->energy.energy, "initial_energy", r->initial_energy.energy,
-                     "log_likelihood", r->energy.log_likelihood, "log_structure_prior", r->energy.log_structure_prior,
-                     "log_parameter_prior", r->energy.log_parameter_prior, "weight", opts->energy.weight,
-                     "regroup", regroups[r->regroup],
-                     "nonterminals", (json_int_t)s.nonterminals, "rules_x", (json_int_t)s.rules_x,
-                     "rules_y", (json_int_t)s.rules_y, "rules_lexical", (json_int_t)s.rules_lexical,
-                     "merges", (json_int_t)r->history.merges, "chunks", (json_int_t)r->history.chunks,
-                     "seconds", seconds, "energy_before_last_reestimation", r->searched_energy,
-                     "lattices_parsed", (json_int_t)r->parsed, "merged", sg_split_form_json(&r->merged),
-                     "grammar", sg_split_form_json(&r->finished), "initial", sizes_json(&r->initial),
-                     "finished", sizes_json(&r->finished), "initial_finished", sizes_json(&r->initial_finished));
+    return json_pack(
+        "{s:f, s:f, s:f, s:f, s:f, s:f, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:o, s:o, s:o, s:o, s:o}",
+        "energy", r->energy.energy, "initial_energy", r->initial_energy.energy, "log_likelihood",
+        r->energy.log_likelihood, "log_structure_prior", r->energy.log_structure_prior, "log_parameter_prior",
+        r->energy.log_parameter_prior, "weight", opts->energy.weight, "regroup", regroups[r->regroup], "nonterminals",
+        (json_int_t)s.nonterminals, "rules_x", (json_int_t)s.rules_x, "rules_y", (json_int_t)s.rules_y, "rules_lexical",
+        (json_int_t)s.rules_lexical, "merges", (json_int_t)r->history.merges, "chunks", (json_int_t)r->history.chunks,
+        "seconds", seconds, "energy_before_last_reestimation", r->searched_energy, "lattices_parsed",
+        (json_int_t)r->parsed, "merged", sg_split_form_json(&r->merged), "grammar", sg_split_form_json(&r->finished),
+        "initial", sizes_json(&r->initial), "finished", sizes_json(&r->finished), "initial_finished",
+        sizes_json(&r->initial_finished));
 }
 
 sg_status sg_learn_write_json(const sg_learn_result *r, const sg_learn_opts *opts, double seconds, const char *path,

@@ -7,7 +7,8 @@
 #include "learn/learn_input.h"
 #include "learn/report.h"
 
-/** A grammar file: the exchange form when the path ends in .json, else the language. @return SG_OK, SG_EIO, SG_ENOMEM */
+/** A grammar file: the exchange form when the path ends in .json, else the language. @return SG_OK, SG_EIO, SG_ENOMEM
+ */
 sg_status sg_learn_write_grammar(const sg_split_form *form, const char *path, sg_error *err);
 
 /** @param seconds  of the learning, fitting of lattices left out */

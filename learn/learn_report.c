@@ -117,7 +117,8 @@ static sg_status draw_samples_of(work *w, const sg_grammar *g, sg_error *err)
     sg_derivation_init(&s.derivation, g);
     s.rng = sg_random_create(w->seed);
     s.value = SG_NEW_ARRAY(w->arena, uint8_t, sg_grammar_symbol_count(g) + 1);
-    sg_status st = s.rng != NULL && s.value != NULL ? sg_label_map_create(width, height, &s.map, err) : SG_FAIL_NOMEM(err);
+    sg_status st =
+        s.rng != NULL && s.value != NULL ? sg_label_map_create(width, height, &s.map, err) : SG_FAIL_NOMEM(err);
     if (st == SG_OK)
         s.ncolors = number_labels(g, s.value, s.colors);
     for (size_t i = 0; i < SAMPLES && st == SG_OK; i++) {
@@ -179,10 +180,13 @@ static size_t list_results(const work *w, double seconds, sg_report_line *lines)
     lines[n++] = (sg_report_line){"lattices", sg_arena_printf(a, "%zu", w->in->n)};
     lines[n++] = (sg_report_line){"cells a lattice", sg_arena_printf(a, "%.0f", w->in->cells)};
     if (!isnan(w->in->accuracy))
-        lines[n++] = (sg_report_line){"pixels that the lattices show right", sg_arena_printf(a, "%.2f %%", 100 * w->in->accuracy)};
-    lines[n++] = (sg_report_line){"energy of the initial grammar", sg_arena_printf(a, "%.3f", r->initial_energy.energy)};
+        lines[n++] = (sg_report_line){"pixels that the lattices show right",
+                                      sg_arena_printf(a, "%.2f %%", 100 * w->in->accuracy)};
+    lines[n++] =
+        (sg_report_line){"energy of the initial grammar", sg_arena_printf(a, "%.3f", r->initial_energy.energy)};
     lines[n++] = (sg_report_line){"energy of the merged grammar", sg_arena_printf(a, "%.3f", r->energy.energy)};
-    lines[n++] = (sg_report_line){"the same before the last re-estimation", sg_arena_printf(a, "%.3f", r->searched_energy)};
+    lines[n++] =
+        (sg_report_line){"the same before the last re-estimation", sg_arena_printf(a, "%.3f", r->searched_energy)};
     lines[n++] = (sg_report_line){"log likelihood", sg_arena_printf(a, "%.3f", r->energy.log_likelihood)};
     lines[n++] = (sg_report_line){"log structure prior", sg_arena_printf(a, "%.3f", r->energy.log_structure_prior)};
     lines[n++] = (sg_report_line){"merges", sg_arena_printf(a, "%zu", r->history.merges)};
@@ -202,11 +206,20 @@ static sg_status write_page(work *w, const sg_report_line *settings, size_t nset
             return SG_FAIL_NOMEM(err);
     if (steps == NULL)
         return SG_FAIL_NOMEM(err);
-    const sg_report page = {.title = "A grammar learned by model merging", .settings = settings, .nsettings = nsettings,
-                            .results = results, .nresults = nresults, .steps = steps, .nsteps = w->result->history.n,
-                            .initial = &w->result->initial, .merged = &w->result->merged,
-                            .finished = &w->result->finished, .lattices = w->lattices, .nlattices = w->in->n,
-                            .samples = w->samples, .nsamples = w->nsamples};
+    const sg_report page = {.title = "A grammar learned by model merging",
+                            .settings = settings,
+                            .nsettings = nsettings,
+                            .results = results,
+                            .nresults = nresults,
+                            .steps = steps,
+                            .nsteps = w->result->history.n,
+                            .initial = &w->result->initial,
+                            .merged = &w->result->merged,
+                            .finished = &w->result->finished,
+                            .lattices = w->lattices,
+                            .nlattices = w->in->n,
+                            .samples = w->samples,
+                            .nsamples = w->nsamples};
     return sg_report_write(w->folder, &page, err);
 }
 

@@ -100,7 +100,8 @@ static bool tally_group(sg_rules *r, const sg_coincidence *c, size_t n, uint32_t
 }
 
 /* All rules of a group are pairwise coincident, so the run of its lowest rule names all the others. */
-static bool tally_groups(sg_rules *r, const sg_coincidence *c, size_t n, uint32_t self_mark, uint32_t taken_mark, tally *t)
+static bool tally_groups(sg_rules *r, const sg_coincidence *c, size_t n, uint32_t self_mark, uint32_t taken_mark,
+                         tally *t)
 {
     for (size_t i = 0, end; i < n; i = end) {
         for (end = i + 1; end < n && c[end].rule == c[i].rule;)
@@ -122,8 +123,8 @@ sg_status sg_merge_part_of(sg_rules *r, const sg_coincidence *c, size_t n, sg_me
     const uint32_t self_mark = ++r->stamp, taken_mark = ++r->stamp;
     tally_self_rules(r, c, n, self_mark, &t);
     const bool good = tally_groups(r, c, n, self_mark, taken_mark, &t);
-    t.data += sg_energy_symbol_term(o, x->nrules + y->nrules - t.lost, x->count + y->count - t.self_count)
-              - x->term - y->term;
+    t.data += sg_energy_symbol_term(o, x->nrules + y->nrules - t.lost, x->count + y->count - t.self_count) - x->term -
+              y->term;
     for (size_t i = 0; i < t.nlosses; i++) {
         const sg_learn_symbol *z = &r->symbols[t.losses[i].symbol];
         t.data += sg_energy_symbol_term(o, z->nrules - t.losses[i].lost, z->count) - z->term;

@@ -12,7 +12,8 @@
 
 #include "learn/rules.h"
 
-/** Two rules that the merge of symbols a < b makes equal (rule < other), or one that it makes X -> X (other SG_NONE). */
+/** Two rules that the merge of symbols a < b makes equal (rule < other), or one that it makes X -> X (other SG_NONE).
+ */
 typedef struct {
     uint32_t a, b, rule, other;
     bool fresh; /* found by the last operation (candidates.c) */

@@ -142,8 +142,8 @@ typedef struct {
     const uint32_t *rule_of;   /* rule of the form to rule of the coarse grammar */
     const sg_split_form *form;
     const sg_parse_table *table;
-    double *expected;  /* [rules of the form], scratch */
-    bool *in_forest;   /* [rules of the coarse grammar], scratch */
+    double *expected; /* [rules of the form], scratch */
+    bool *in_forest;  /* [rules of the coarse grammar], scratch */
 } coarse_view;
 
 static sg_status look_at_lattice(sg_reestimator *e, const coarse_view *v, size_t lattice, sg_error *err)
@@ -176,7 +176,11 @@ static sg_status look_at_all(sg_reestimator *e, const sg_rules *r, const sg_rule
     uint32_t *rule_of;
     sg_parse_table *table = NULL;
     SG_TRY(sg_rules_form(coarse, false, e->arena, &form, &rule_of, NULL, err));
-    coarse_view v = {.rules = r, .coarse = coarse, .originals = originals, .rule_of = rule_of, .form = &form,
+    coarse_view v = {.rules = r,
+                     .coarse = coarse,
+                     .originals = originals,
+                     .rule_of = rule_of,
+                     .form = &form,
                      .expected = SG_NEW_ARRAY(e->arena, double, form.nrules + 1),
                      .in_forest = SG_NEW_ARRAY(e->arena, bool, coarse->nrules + 1)};
     if (v.expected == NULL || v.in_forest == NULL)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reestimate.h - counts of the rules by parsing the lattices (DESIGN 5.1, 5.2): Viterbi counts, or expected ones.
  *
- * After each merge only those lattices are parsed again whose best derivation may have changed, and the result is the same
- * as if all were. A lattice is left out
+ * After each merge only those lattices are parsed again whose best derivation may have changed, and the result is the
+ * same as if all were. A lattice is left out
  *   - for good, when it has one derivation only in the coarsest grammar that merges can still lead to (all symbols of
- *     equal labels in one; those with lexical rules apart, until one of them is merged), and each rule of that derivation
- *     stands for one rule of the present grammar: then it has one derivation in every grammar on the way;
+ *     equal labels in one; those with lexical rules apart, until one of them is merged), and each rule of that
+ * derivation stands for one rule of the present grammar: then it has one derivation in every grammar on the way;
  *   - this time, when no symbol whose rules changed can stand in a derivation of it, as the coarsest grammar tells. */
 #ifndef SG_LEARN_REESTIMATE_H
 #define SG_LEARN_REESTIMATE_H
@@ -16,7 +16,8 @@
 typedef struct sg_reestimator sg_reestimator;
 
 typedef struct {
-    bool expected; /* expected counts (EM proper) in place of those of the best derivations; then every lattice is parsed */
+    bool expected;  /* expected counts (EM proper) in place of those of the best derivations; then every lattice is
+                       parsed */
     bool parse_all; /* leave nothing out: the plain way, for comparison */
 } sg_reestimate_opts;
 

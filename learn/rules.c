@@ -112,9 +112,15 @@ uint32_t sg_rules_add_symbol(sg_rules *r, const char *name, uint32_t label_set)
         return SG_NONE;
     const uint32_t s = (uint32_t)r->nsymbols++;
     const uint64_t members = sg_rules_mix(s);
-    r->symbols[s] = (sg_learn_symbol){.name = name, .label_set = label_set, .first_own = SG_NONE, .last_own = SG_NONE,
-                                      .first_use = SG_NONE, .last_use = SG_NONE, .merged = SG_NONE,
-                                      .members = members, .alive = true};
+    r->symbols[s] = (sg_learn_symbol){.name = name,
+                                      .label_set = label_set,
+                                      .first_own = SG_NONE,
+                                      .last_own = SG_NONE,
+                                      .first_use = SG_NONE,
+                                      .last_use = SG_NONE,
+                                      .merged = SG_NONE,
+                                      .members = members,
+                                      .alive = true};
     r->live_symbols++;
     r->partition += sg_rules_mix(members);
     return s;
@@ -151,13 +157,21 @@ static bool add_uses(sg_rules *r, uint32_t rule)
 
 uint32_t sg_rules_add_rule(sg_rules *r, uint32_t lhs, sg_split_op op, const uint32_t *rhs, uint32_t n, double count)
 {
-    if (!SG_GROW(r->rules, r->rules_capacity, r->nrules + 1) || !SG_GROW(r->rhs, r->rhs_capacity, r->nrhs + n)
-        || !make_bucket(r, op, op == SG_SPLIT_LEXICAL ? rhs[0] : n))
+    if (!SG_GROW(r->rules, r->rules_capacity, r->nrules + 1) || !SG_GROW(r->rhs, r->rhs_capacity, r->nrhs + n) ||
+        !make_bucket(r, op, op == SG_SPLIT_LEXICAL ? rhs[0] : n))
         return SG_NONE;
     const uint32_t id = (uint32_t)r->nrules++;
     sg_learn_rule *x = &r->rules[id];
-    *x = (sg_learn_rule){.lhs = lhs, .op = op, .n = n, .first = (uint32_t)r->nrhs, .count = count, .sizes = SG_NONE,
-                         .last_sizes = SG_NONE, .next_own = SG_NONE, .united = SG_NONE, .alive = true};
+    *x = (sg_learn_rule){.lhs = lhs,
+                         .op = op,
+                         .n = n,
+                         .first = (uint32_t)r->nrhs,
+                         .count = count,
+                         .sizes = SG_NONE,
+                         .last_sizes = SG_NONE,
+                         .next_own = SG_NONE,
+                         .united = SG_NONE,
+                         .alive = true};
     memcpy(r->rhs + r->nrhs, rhs, n * sizeof *rhs);
     r->nrhs += n;
     if (op != SG_SPLIT_LEXICAL && !add_uses(r, id))
@@ -262,8 +276,8 @@ void sg_rules_remove_rule(sg_rules *r, uint32_t rule, uint32_t heir)
 
 bool sg_rules_compatible(const sg_rules *r, uint32_t a, uint32_t b)
 {
-    return a != b && a != r->axiom && b != r->axiom && r->symbols[a].alive && r->symbols[b].alive
-           && r->symbols[a].label_set == r->symbols[b].label_set;
+    return a != b && a != r->axiom && b != r->axiom && r->symbols[a].alive && r->symbols[b].alive &&
+           r->symbols[a].label_set == r->symbols[b].label_set;
 }
 
 sg_rules_relation sg_rules_compare(const sg_rules *r, uint32_t rule, uint32_t other, uint32_t *low, uint32_t *high)
@@ -297,8 +311,8 @@ sg_rules_relation sg_rules_compare(const sg_rules *r, uint32_t rule, uint32_t ot
 
 double sg_rules_energy(const sg_rules *r)
 {
-    const double dl = (double)r->rhs_total * log((double)r->live_symbols) - r->log_lengths
-                      + (double)r->live_rules[SG_SPLIT_LEXICAL] * r->log_terminals;
+    const double dl = (double)r->rhs_total * log((double)r->live_symbols) - r->log_lengths +
+                      (double)r->live_rules[SG_SPLIT_LEXICAL] * r->log_terminals;
     return r->energy_opts.weight * dl - r->data;
 }
 
@@ -420,9 +434,14 @@ static void unite_equal_rules(sg_rules *r)
 sg_status sg_rules_create(sg_rules *out, const sg_split_form *form, const double *counts, const sg_energy_opts *o,
                           sg_arena *arena, sg_error *err)
 {
-    sg_rules r = {.energy_opts = *o, .arena = arena, .tied = form->tied, .axiom = form->axiom,
-                  .nterminals = form->nterminals, .terminal_names = form->terminal_names,
-                  .terminal_colors = form->terminal_colors, .label_words = form->nterminals / 64 + 2,
+    sg_rules r = {.energy_opts = *o,
+                  .arena = arena,
+                  .tied = form->tied,
+                  .axiom = form->axiom,
+                  .nterminals = form->nterminals,
+                  .terminal_names = form->terminal_names,
+                  .terminal_colors = form->terminal_colors,
+                  .label_words = form->nterminals / 64 + 2,
                   .log_terminals = log((double)form->nterminals)};
     r.name = form->name;
     sg_status st = fill(&r, form, counts, err);
@@ -463,11 +482,11 @@ sg_status sg_rules_copy(sg_rules *dst, const sg_rules *src, sg_error *err)
     out.blocks = dst->blocks, out.blocks_capacity = dst->blocks_capacity;
     out.label_sets = dst->label_sets, out.label_sets_capacity = dst->label_sets_capacity;
     out.changes = dst->changes;
-    bool good = COPY(symbols, nsymbols, symbols_capacity) && COPY(rules, nrules, rules_capacity)
-                && COPY(rhs, nrhs, rhs_capacity) && COPY(uses, nuses, uses_capacity)
-                && COPY(blocks, nblocks, blocks_capacity)
-                && copy_array(&out.label_sets, &out.label_sets_capacity, src->label_sets,
-                              src->nlabel_sets * src->label_words, sizeof *src->label_sets);
+    bool good = COPY(symbols, nsymbols, symbols_capacity) && COPY(rules, nrules, rules_capacity) &&
+                COPY(rhs, nrhs, rhs_capacity) && COPY(uses, nuses, uses_capacity) &&
+                COPY(blocks, nblocks, blocks_capacity) &&
+                copy_array(&out.label_sets, &out.label_sets_capacity, src->label_sets,
+                           src->nlabel_sets * src->label_words, sizeof *src->label_sets);
     for (int op = 0; op < 3; op++) {
         out.buckets[op] = dst->buckets[op];
         out.nbuckets[op] = dst->nbuckets[op];
@@ -502,7 +521,11 @@ static bool export_rule(const sg_rules *r, uint32_t id, const uint32_t *number, 
         return false;
     for (uint32_t i = 0; i < x->n && x->op != SG_SPLIT_LEXICAL; i++)
         rhs[i] = number[rhs[i]];
-    *out = (sg_split_rule){.lhs = number[x->lhs], .op = x->op, .n = x->n, .rhs = rhs, .source = SG_NONE,
+    *out = (sg_split_rule){.lhs = number[x->lhs],
+                           .op = x->op,
+                           .n = x->n,
+                           .rhs = rhs,
+                           .source = SG_NONE,
                            .probability = sg_energy_probability(&r->energy_opts, x->count, s->nrules, s->count),
                            .nattributes = sizes ? sg_rules_size_count(r, id) : 0};
     if (out->nattributes > 0)
@@ -554,9 +577,16 @@ sg_status sg_rules_form(const sg_rules *r, bool sizes, sg_arena *arena, sg_split
         if (!export_rule(r, ids[i], number, sizes, arena, &rules[i]))
             return SG_FAIL_NOMEM(err);
     }
-    *out = (sg_split_form){.name = r->name, .nsymbols = nsymbols, .symbol_names = names, .nterminals = r->nterminals,
-                           .terminal_names = r->terminal_names, .terminal_colors = r->terminal_colors,
-                           .axiom = number[r->axiom], .tied = r->tied, .nrules = nrules, .rules = rules};
+    *out = (sg_split_form){.name = r->name,
+                           .nsymbols = nsymbols,
+                           .symbol_names = names,
+                           .nterminals = r->nterminals,
+                           .terminal_names = r->terminal_names,
+                           .terminal_colors = r->terminal_colors,
+                           .axiom = number[r->axiom],
+                           .tied = r->tied,
+                           .nrules = nrules,
+                           .rules = rules};
     if (rule_of != NULL)
         *rule_of = ids;
     if (counts != NULL)

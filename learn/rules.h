@@ -2,9 +2,9 @@
 /* rules.h - the working form of learning: a split grammar that changes, with counts and size lists.
  *
  * Rules are unique by (left-hand side, operation, right-hand side). Each rule stands in a bucket with the rules of its
- * operation and length: rules that are equal, or that one merge would make equal, stand in one bucket. Each symbol knows
- * its own rules and the rules that use it. All links are indices, so a copy is a few memcpy and shares only the size
- * lists. The parts of the energy are carried along. */
+ * operation and length: rules that are equal, or that one merge would make equal, stand in one bucket. Each symbol
+ * knows its own rules and the rules that use it. All links are indices, so a copy is a few memcpy and shares only the
+ * size lists. The parts of the energy are carried along. */
 #ifndef SG_LEARN_RULES_H
 #define SG_LEARN_RULES_H
 
@@ -122,7 +122,8 @@ double sg_rules_energy(const sg_rules *r);
 /** From scratch, through the split form. */
 sg_status sg_rules_energy_parts(const sg_rules *r, sg_energy_parts *out, sg_error *err);
 
-/** A bijection that spreads bits (finaliser of splitmix64, Steele, Lea and Flood 2014): the hash of a group of symbols. */
+/** A bijection that spreads bits (finaliser of splitmix64, Steele, Lea and Flood 2014): the hash of a group of symbols.
+ */
 static inline uint64_t sg_rules_mix(uint64_t x)
 {
     x += 0x9e3779b97f4a7c15u;

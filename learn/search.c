@@ -49,8 +49,14 @@ static sg_status note_step(sg_line *l, sg_step_kind kind, const char *first, con
     if (!SG_GROW(h->steps, h->capacity, h->n + 1))
         return SG_FAIL_NOMEM(err);
     const double energy = sg_line_energy(l);
-    h->steps[h->n++] = (sg_search_step){kind, first, second, energy, energy, l->rules.live_symbols,
-                                        l->rules.live_rules[SG_SPLIT_X], l->rules.live_rules[SG_SPLIT_Y]};
+    h->steps[h->n++] = (sg_search_step){kind,
+                                        first,
+                                        second,
+                                        energy,
+                                        energy,
+                                        l->rules.live_symbols,
+                                        l->rules.live_rules[SG_SPLIT_X],
+                                        l->rules.live_rules[SG_SPLIT_Y]};
     h->merges += kind == SG_STEP_MERGE;
     h->chunks += kind == SG_STEP_CHUNK;
     return SG_OK;

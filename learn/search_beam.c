@@ -20,7 +20,7 @@ typedef struct {
     size_t nnow, nnext;
     child *children; /* [width * width] */
     size_t nchildren;
-    double best;     /* least energy so far */
+    double best; /* least energy so far */
     size_t best_line;
     bool best_is_now; /* it stands in now[best_line], else in saved */
     size_t since;     /* steps since it was found */
@@ -151,8 +151,11 @@ static sg_status run(beam *b, const sg_search_opts *o, sg_candidate *scratch, sg
 
 sg_status sg_search_beam(sg_line *l, const sg_search_opts *o, sg_error *err)
 {
-    beam b = {.now = calloc(o->width, sizeof *b.now), .next = calloc(o->width, sizeof *b.next),
-              .children = malloc((o->width * o->width + 1) * sizeof *b.children), .nnow = 1, .best_is_now = true};
+    beam b = {.now = calloc(o->width, sizeof *b.now),
+              .next = calloc(o->width, sizeof *b.next),
+              .children = malloc((o->width * o->width + 1) * sizeof *b.children),
+              .nnow = 1,
+              .best_is_now = true};
     sg_candidate *scratch = malloc((o->width + 1) * sizeof *scratch);
     if (b.now == NULL || b.next == NULL || b.children == NULL || scratch == NULL) {
         clear(&b, o->width);

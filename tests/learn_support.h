@@ -13,13 +13,15 @@ typedef struct {
     double *counts;
 } test_grammar;
 
-/* Distinct rules by construction of the working form; equal ones are united there. Self rules are put in now and then. */
+/* Distinct rules by construction of the working form; equal ones are united there. Self rules are put in now and then.
+ */
 static inline test_grammar test_random_grammar(gsl_rng *rng, sg_arena *a, uint32_t nsymbols, uint32_t nterminals,
                                                uint32_t max_rules, uint32_t max_length)
 {
     sg_split_rule *rules = SG_NEW_ARRAY(a, sg_split_rule, nsymbols * (max_rules + 1));
-    double *counts = SG_NEW_ARRAY(a, double, nsymbols * (max_rules + 1));
-    const char **names = SG_NEW_ARRAY(a, const char *, nsymbols), **terminals = SG_NEW_ARRAY(a, const char *, nterminals);
+    double *counts = SG_NEW_ARRAY(a, double, nsymbols *(max_rules + 1));
+    const char **names = SG_NEW_ARRAY(a, const char *, nsymbols),
+               **terminals = SG_NEW_ARRAY(a, const char *, nterminals);
     uint32_t *colors = SG_NEW_ARRAY(a, uint32_t, nterminals);
     size_t n = 0;
     for (uint32_t t = 0; t < nterminals; t++)
@@ -36,15 +38,24 @@ static inline test_grammar test_random_grammar(gsl_rng *rng, sg_arena *a, uint32
             counts[n] = (double)gsl_rng_uniform_int(rng, 7);
             rules[n++] = (sg_split_rule){.lhs = s,
                                          .op = lexical ? SG_SPLIT_LEXICAL : (sg_split_op)gsl_rng_uniform_int(rng, 2),
-                                         .n = length, .rhs = rhs, .source = SG_NONE};
+                                         .n = length,
+                                         .rhs = rhs,
+                                         .source = SG_NONE};
         }
     }
-    return (test_grammar){{.name = "random", .nsymbols = nsymbols, .symbol_names = names, .nterminals = nterminals,
-                           .terminal_names = terminals, .terminal_colors = colors, .nrules = n, .rules = rules}, counts};
+    return (test_grammar){{.name = "random",
+                           .nsymbols = nsymbols,
+                           .symbol_names = names,
+                           .nterminals = nterminals,
+                           .terminal_names = terminals,
+                           .terminal_colors = colors,
+                           .nrules = n,
+                           .rules = rules},
+                          counts};
 }
 
-/* A facade of w columns and some floors: sky, rows of windows with or without balconies below them, a shop; each cell is
- * another label with probability `noise`. Boundaries are random. */
+/* A facade of w columns and some floors: sky, rows of windows with or without balconies below them, a shop; each cell
+ * is another label with probability `noise`. Boundaries are random. */
 static inline sg_lattice test_random_facade(gsl_rng *rng, sg_arena *a, double noise)
 {
     static const char *labels[] = {"wall", "window", "balcony", "sky", "shop"};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_learn_memory.c - learning when memory runs out at any point: the status says so, and nothing is lost or used after. */
+/* test_learn_memory.c - learning when memory runs out at any point: the status says so, and nothing is lost or used
+ * after. */
 #include "config.h"
 
 #include "learn/learn.h"

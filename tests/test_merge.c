@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_merge.c - energies, changes of energy, and candidate lists of model merging, against definitions and brute force. */
+/* test_merge.c - energies, changes of energy, and candidate lists of model merging, against definitions and brute
+ * force. */
 #include "learn/candidates.h"
 #include "learn/energy.h"
 #include "learn/merge.h"
@@ -83,7 +84,8 @@ START_TEST(carried_energy_stays_exact_over_long_runs)
     ck_ok(sg_rules_create(&r, &g.form, g.counts, &o, a, &err));
     size_t merges = 0;
     for (int miss = 0; miss < 2000; miss++) {
-        const uint32_t x = (uint32_t)gsl_rng_uniform_int(rng, r.nsymbols), y = (uint32_t)gsl_rng_uniform_int(rng, r.nsymbols);
+        const uint32_t x = (uint32_t)gsl_rng_uniform_int(rng, r.nsymbols),
+                       y = (uint32_t)gsl_rng_uniform_int(rng, r.nsymbols);
         if (!sg_rules_compatible(&r, x, y))
             continue;
         double delta;
@@ -131,7 +133,8 @@ START_TEST(candidate_list_gives_what_scoring_all_pairs_gives)
     for (int round = 0; round < 4; round++) {
         sg_arena_reset(a);
         const uint32_t sizes[] = {8, 20, 45, 45}, lengths[] = {2, 3, 2, 7};
-        test_grammar g = test_random_grammar(rng, a, sizes[round], 2 + (uint32_t)gsl_rng_uniform_int(rng, 2), 3, lengths[round]);
+        test_grammar g =
+            test_random_grammar(rng, a, sizes[round], 2 + (uint32_t)gsl_rng_uniform_int(rng, 2), 3, lengths[round]);
         const sg_energy_opts o = random_opts(rng);
         sg_rules r = {0};
         sg_candidates c = {0}, copy = {0};
@@ -181,16 +184,21 @@ START_TEST(a_merge_by_hand)
     sg_arena *arena = sg_arena_create();
     const uint32_t ab[] = {1, 2}, aa[] = {1, 1}, t[] = {0};
     const double two[] = {0.25, 0.75, 0.5, 0.5}, one[] = {0.1, 0.9};
-    const sg_split_rule rules[] = {
-        {.lhs = 0, .op = SG_SPLIT_X, .n = 2, .rhs = ab, .nattributes = 2, .attributes = two},
-        {.lhs = 0, .op = SG_SPLIT_X, .n = 2, .rhs = aa, .nattributes = 1, .attributes = one},
-        {.lhs = 1, .op = SG_SPLIT_LEXICAL, .n = 1, .rhs = t},
-        {.lhs = 2, .op = SG_SPLIT_LEXICAL, .n = 1, .rhs = t}};
+    const sg_split_rule rules[] = {{.lhs = 0, .op = SG_SPLIT_X, .n = 2, .rhs = ab, .nattributes = 2, .attributes = two},
+                                   {.lhs = 0, .op = SG_SPLIT_X, .n = 2, .rhs = aa, .nattributes = 1, .attributes = one},
+                                   {.lhs = 1, .op = SG_SPLIT_LEXICAL, .n = 1, .rhs = t},
+                                   {.lhs = 2, .op = SG_SPLIT_LEXICAL, .n = 1, .rhs = t}};
     const double counts[] = {2, 1, 4, 2};
     const char *names[] = {"S", "A", "B"}, *terminals[] = {"t"};
     const uint32_t colors[] = {0};
-    const sg_split_form form = {.name = "hand", .nsymbols = 3, .symbol_names = names, .nterminals = 1,
-                                .terminal_names = terminals, .terminal_colors = colors, .nrules = 4, .rules = rules};
+    const sg_split_form form = {.name = "hand",
+                                .nsymbols = 3,
+                                .symbol_names = names,
+                                .nterminals = 1,
+                                .terminal_names = terminals,
+                                .terminal_colors = colors,
+                                .nrules = 4,
+                                .rules = rules};
     sg_energy_opts o = SG_ENERGY_OPTS_INIT;
     o.weight = 1;
     sg_rules r = {0};

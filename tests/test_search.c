@@ -176,7 +176,8 @@ START_TEST(merged_grammars_keep_their_lattices)
         ck_ok(sg_rules_energy_parts(&c.rules, &parts, &err));
         const double reparsed = log_viterbi_of_all(&c, &c.rules);
         ck_assert(reparsed > -INFINITY);
-        ck_assert_msg(parts.log_likelihood <= reparsed + 1e-9 * fabs(reparsed), "%.12g > %.12g", parts.log_likelihood, reparsed);
+        ck_assert_msg(parts.log_likelihood <= reparsed + 1e-9 * fabs(reparsed), "%.12g > %.12g", parts.log_likelihood,
+                      reparsed);
     }
     end_case(&c);
 }
@@ -359,7 +360,8 @@ START_TEST(a_stopped_search_leaves_a_valid_grammar)
 }
 END_TEST
 
-/* Rows are unique by sequence, so only the axiom chooses: log P = sum log(n_i / n), n_i the lattices with rows like i's. */
+/* Rows are unique by sequence, so only the axiom chooses: log P = sum log(n_i / n), n_i the lattices with rows like
+ * i's. */
 START_TEST(the_initial_likelihood_is_that_of_choosing_a_lattice)
 {
     sg_error err = SG_ERROR_INIT;
@@ -376,9 +378,9 @@ START_TEST(the_initial_likelihood_is_that_of_choosing_a_lattice)
     for (size_t i = 0; i < 8; i++) {
         size_t same = 0;
         for (size_t j = 0; j < 8; j++)
-            same += c.lattices[i].width == c.lattices[j].width && c.lattices[i].height == c.lattices[j].height
-                    && memcmp(c.lattices[i].labels, c.lattices[j].labels,
-                              c.lattices[i].width * c.lattices[i].height * sizeof(uint16_t)) == 0;
+            same += c.lattices[i].width == c.lattices[j].width && c.lattices[i].height == c.lattices[j].height &&
+                    memcmp(c.lattices[i].labels, c.lattices[j].labels,
+                           c.lattices[i].width * c.lattices[i].height * sizeof(uint16_t)) == 0;
         want += log((double)same / 8);
     }
     ck_near(parts.log_likelihood, want);
@@ -480,8 +482,14 @@ START_TEST(drawn_lattices_follow_the_grammar)
                                    {.lhs = 2, .op = SG_SPLIT_LEXICAL, .n = 1, .rhs = t, .probability = 1}};
     const char *names[] = {"S", "A", "T"}, *terminals[] = {"t"};
     const uint32_t colors[] = {0};
-    sg_split_form f = {.name = "fit", .nsymbols = 3, .symbol_names = names, .nterminals = 1, .terminal_names = terminals,
-                       .terminal_colors = colors, .nrules = 4, .rules = rules};
+    sg_split_form f = {.name = "fit",
+                       .nsymbols = 3,
+                       .symbol_names = names,
+                       .nterminals = 1,
+                       .terminal_names = terminals,
+                       .terminal_colors = colors,
+                       .nrules = 4,
+                       .rules = rules};
     size_t tall = 0, tried = 0;
     for (int i = 0; i < 2000; i++) {
         sg_lattice l;

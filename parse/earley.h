@@ -49,7 +49,8 @@ size_t sg_chart_bytes(const sg_chart *c);
  *          costs where tied siblings forbid them), SG_ENOMEM */
 sg_status sg_earley_inside(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_inside,
                            sg_error *err);
-/** Viterbi: log of the largest derivation. Ties break by rule index, then by split position. @return as above */
+/** Viterbi: log of the largest derivation. Ties break by rule index, then by split position. Over costs it is found in
+ *  passes that keep no part below a floor (earley_viterbi.c); the chart is that of the last one. @return as above */
 sg_status sg_earley_viterbi(const sg_parse_table *t, const sg_cells *cells, sg_chart *c, double *log_viterbi,
                             sg_error *err);
 

@@ -99,9 +99,11 @@ static bool take_arguments(int argc, char **argv, settings *s)
     s->import.source = argv[optind + 1];
     if (!s->base_given)
         s->import.base = s->import.kind == SG_IMPORT_PALETTE ? 1 : 0;
-    if (s->import.dataset == NULL)
+    if (s->import.dataset == NULL || s->import.dataset[0] == '\0') {
         sg_program_usage("-o DATASET is needed");
-    return s->import.dataset != NULL;
+        return false;
+    }
+    return true;
 }
 
 /* -1 when the work can begin, else the exit status. */
@@ -138,9 +140,25 @@ static sg_status write_json(const settings *s, const sg_import_result *result, s
     return st;
 }
 
+/* The result must replace nothing that is read: neither a file nor one of a folder of them. */
+static sg_status spare_inputs(const settings *s, sg_error *err)
+{
+    const char *json = s->common.json, *slash = json != NULL ? strrchr(json, '/') : NULL;
+    const char *const files[] = {s->import.source, s->import.classes_file};
+    char folder[4096] = ".";
+    SG_TRY(sg_program_spare(json, files, 2, err));
+    if (slash != NULL)
+        snprintf(folder, sizeof folder, "%.*s/", (int)(slash - json), json);
+    if (json != NULL && sg_file_exists(json) && sg_file_same(folder, s->import.source))
+        return SG_FAIL(err, SG_EINVAL, "%s: this stands in the folder that is imported; it will not be written over",
+                       json);
+    return SG_OK;
+}
+
 static sg_status import(settings *s, sg_error *err)
 {
     sg_import_result result;
+    SG_TRY(spare_inputs(s, err));
     sg_progress progress = sg_program_progress(&s->common);
     sg_status st = sg_import_run(&s->import, take_fault, s, &progress, &result, err);
     sg_program_progress_end();

@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "core/file.h"
+#include "core/utf8.h"
 #include "data/import_files.h"
 #include "data/import_priv.h"
 #include "image/cv_image.h"
@@ -111,6 +112,8 @@ static sg_status check_name(const sg_import_source *s, sg_error *err)
     for (const char *p = s->name; *p != '\0'; p++)
         if ((unsigned char)*p < 32 || *p == 127)
             return SG_FAIL(err, SG_EINPUT, "%s: a name with a control character", s->path);
+    if (!sg_utf8_is(s->name, strlen(s->name)))
+        return SG_FAIL(err, SG_EINPUT, "%s: a name that is no UTF-8", s->path);
     if (s->name[0] == '.' || strstr(s->name, "..") != NULL)
         return SG_FAIL(err, SG_EINPUT, "%s: '%s' cannot be a name in a data set", s->path, s->name);
     return SG_OK;
@@ -243,6 +246,8 @@ static sg_status import_all(job *j, sg_progress *progress, sg_error *err)
                                                  [SG_IMPORT_MATRIX] = text, [SG_IMPORT_DIGITS] = text,
                                                  [SG_IMPORT_LABELME] = json};
     sg_import_source *list;
+    if (j->im.opts->images != NULL && !sg_folder_exists(j->im.opts->images))
+        return SG_FAIL(err, SG_EINPUT, "%s: no such folder", j->im.opts->images);
     SG_TRY(read_table(j, err));
     SG_TRY(sg_import_list(j->im.opts->source, endings[j->im.opts->kind], j->im.opts->suffix, j->arena, &list,
                           &j->result->found, err));

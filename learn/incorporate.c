@@ -99,6 +99,25 @@ static sg_status add_found_terminals(work *w, const sg_lattice *lattices, size_t
     return SG_OK;
 }
 
+/* A lexical symbol has the name of its label, and a label may be called S or R1 too. */
+static bool is_terminal(const work *w, const char *name)
+{
+    for (size_t t = 0; t < w->nterminals; t++)
+        if (strcmp(w->names[t], name) == 0)
+            return true;
+    return false;
+}
+
+static sg_status name_axiom(work *w)
+{
+    const char *name = "S";
+    for (uint32_t i = 0; is_terminal(w, name); i++)
+        if ((name = sg_arena_printf(w->arena, "S%u", i)) == NULL)
+            return SG_ENOMEM;
+    sg_rule_builder_name(w->builder, w->axiom, name);
+    return SG_OK;
+}
+
 static sg_status begin(work *w, const sg_lattice *lattices, size_t n, sg_error *err)
 {
     size_t most = w->opts->nterminals;
@@ -113,9 +132,8 @@ static sg_status begin(work *w, const sg_lattice *lattices, size_t n, sg_error *
     w->axiom = sg_rule_builder_symbol(w->builder, &(uint32_t){KEY_AXIOM}, 1, NULL);
     if (w->axiom == SG_NONE)
         return SG_FAIL_NOMEM(err);
-    sg_rule_builder_name(w->builder, w->axiom, "S");
-    return w->opts->nterminals > 0 ? add_given_terminals(w, lattices, n, err)
-                                   : add_found_terminals(w, lattices, n, err);
+    SG_TRY(w->opts->nterminals > 0 ? add_given_terminals(w, lattices, n, err) : add_found_terminals(w, lattices, n, err));
+    return name_axiom(w) == SG_OK ? SG_OK : SG_FAIL_NOMEM(err);
 }
 
 static sg_status make_item(work *w, const sg_lattice *l, item *it)
@@ -148,9 +166,11 @@ static sg_status name_new(work *w, uint32_t symbol, bool is_new, char letter, ui
         return SG_ENOMEM;
     if (!is_new)
         return SG_OK;
-    const char *name = sg_arena_printf(w->arena, "%c%u", letter, ++*count);
-    if (name == NULL)
-        return SG_ENOMEM;
+    const char *name;
+    do {
+        if ((name = sg_arena_printf(w->arena, "%c%u", letter, ++*count)) == NULL)
+            return SG_ENOMEM;
+    } while (is_terminal(w, name));
     sg_rule_builder_name(w->builder, symbol, name);
     return SG_OK;
 }

@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const char help[] =
-    "learn-grammar data/facades -o facades.sg --tied --report report\n"
+    "Example: learn-grammar data/facades -o facades.sg --tied --report report\n"
     "\n"
     "Usage: learn-grammar [OPTION]... FOLDER -o GRAMMAR\n"
     "Learn a stochastic split grammar by Bayesian model merging. FOLDER is a data set\n"
@@ -252,6 +252,11 @@ static bool set_option(int opt, const char *arg, void *user)
     }
 }
 
+static bool is_one_file(const char *a, const char *b)
+{
+    return a != NULL && b != NULL && strcmp(a, b) == 0;
+}
+
 static bool is_stdout(const char *path)
 {
     return path != NULL && strcmp(path, "-") == 0;
@@ -265,6 +270,9 @@ static int check_usage(const options *o, int nfolders)
         return sg_program_usage("-o FILE is missing");
     if (is_stdout(o->output) + is_stdout(o->initial) + is_stdout(o->common.json) > 1)
         return sg_program_usage("only one result can go to standard output");
+    if (is_one_file(o->output, o->initial) || is_one_file(o->output, o->common.json) ||
+        is_one_file(o->initial, o->common.json))
+        return sg_program_usage("--output, --initial and --json need a file each");
     if (o->input.cells > 0 && o->input.accuracy > 0)
         return sg_program_usage("--cells and --accuracy exclude each other");
     if (o->input.dataset.fold > 0 && o->input.dataset.names_file != NULL)
@@ -301,6 +309,30 @@ static sg_status try_outputs(const options *o, sg_error *err)
     SG_TRY(try_output(o->initial, err));
     SG_TRY(try_output(o->common.json, err));
     return o->report != NULL ? sg_folder_create(o->report, err) : SG_OK;
+}
+
+/* What an output must not replace: tables and lists, label maps and lattices. */
+static sg_status spare_inputs(const options *o, const sg_learn_input *in, const char *output, sg_arena *a, sg_error *err)
+{
+    const sg_dataset_opts *d = &o->input.dataset;
+    const char *const tables[] = {d->classes_file, d->names_file, sg_arena_printf(a, "%s/classes.tsv", o->folder),
+                                  sg_arena_printf(a, "%s/folds/%d.tsv", o->folder, d->fold)};
+    SG_TRY(sg_program_spare(output, tables, sizeof tables / sizeof tables[0], err));
+    for (size_t i = 0; i < in->n; i++) {
+        const char *const data[] = {sg_arena_printf(a, "%s/%s.lat", o->folder, in->names[i]),
+                                    sg_arena_printf(a, "%s/labels/%s.png", o->folder, in->names[i])};
+        if (data[0] == NULL || data[1] == NULL)
+            return SG_FAIL_NOMEM(err);
+        SG_TRY(sg_program_spare(output, data, 2, err));
+    }
+    return SG_OK;
+}
+
+static sg_status spare_all_inputs(const options *o, const sg_learn_input *in, sg_arena *a, sg_error *err)
+{
+    SG_TRY(spare_inputs(o, in, o->output, a, err));
+    SG_TRY(spare_inputs(o, in, o->initial, a, err));
+    return spare_inputs(o, in, o->common.json, a, err);
 }
 
 static size_t list_settings(const options *o, const sg_learn_result *r, sg_arena *a, sg_report_line *s)
@@ -366,7 +398,9 @@ static sg_status learn_and_write(options *o, const sg_learn_input *in, sg_error 
     o->learn.incorporate.nterminals = in->nterminals;
     o->learn.incorporate.terminal_names = in->terminal_names;
     o->learn.incorporate.terminal_colors = in->terminal_colors;
-    sg_status st = sg_learn(in->lattices, in->n, &o->learn, arena, &r, err);
+    sg_status st = spare_all_inputs(o, in, arena, err);
+    if (st == SG_OK)
+        st = sg_learn(in->lattices, in->n, &o->learn, arena, &r, err);
     if (st == SG_OK || st == SG_STOPPED) {
         const double seconds = r.search_s + r.reestimate_s;
         const sg_status written = write_all(o, in, &r, seconds, arena, err);

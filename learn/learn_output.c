@@ -25,14 +25,7 @@ sg_status sg_learn_write_grammar(const sg_split_form *form, const char *path, sg
     sg_output out;
     SG_TRY(sg_output_open(&out, path, err));
     const sg_status st = json ? sg_split_form_write_json(form, out.fp, err) : print_language(form, out.fp, err);
-    if (st == SG_OK)
-        return sg_output_commit(&out, err);
-    sg_output_discard(&out);
-    if (st == SG_EIO && err != NULL) {
-        const sg_error e = *err;
-        return SG_FAIL(err, st, "%s: %.900s", path, e.msg);
-    }
-    return st;
+    return sg_output_end(&out, st, err);
 }
 
 static json_t *sizes_json(const sg_split_form *f)

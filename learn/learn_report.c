@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 12, MAX_NODES = 100000 };
+enum { SAMPLES = 12, MAX_NODES = 100000, MAX_SIDE_PX = 4096 };
 
 typedef struct {
     const char *folder;
@@ -35,9 +35,26 @@ static sg_status save_map(const work *w, const char *file, const sg_label_map *m
     return sg_png_write_labels(path, map, colors, n, err);
 }
 
+/* Boundaries of a picture that is at most MAX_SIDE_PX wide or high, or has a pixel a cell. */
+static void shrink(uint32_t *boundary, size_t ncells)
+{
+    const double scale = (double)MAX_SIDE_PX / (double)(boundary[ncells] - boundary[0]);
+    for (size_t i = ncells + 1; i-- > 0 && scale < 1;)
+        boundary[i] = (uint32_t)((double)(boundary[i] - boundary[0]) * scale);
+    for (size_t i = 1; i <= ncells; i++)
+        boundary[i] = boundary[i] > boundary[i - 1] ? boundary[i] : boundary[i - 1] + 1;
+}
+
 static sg_status draw_lattice(work *w, size_t i, sg_error *err)
 {
-    const sg_lattice *l = &w->in->lattices[i];
+    sg_lattice small = w->in->lattices[i];
+    const sg_lattice *l = &small;
+    small.x = sg_arena_copy(w->arena, l->x, (l->width + 1) * sizeof *l->x);
+    small.y = sg_arena_copy(w->arena, l->y, (l->height + 1) * sizeof *l->y);
+    if (small.x == NULL || small.y == NULL)
+        return SG_FAIL_NOMEM(err);
+    shrink(small.x, l->width);
+    shrink(small.y, l->height);
     uint8_t *value = SG_NEW_ARRAY(w->arena, uint8_t, l->nlabels + 1);
     const char *file = sg_arena_printf(w->arena, "lattices/%s.png", w->in->names[i]);
     if (value == NULL || file == NULL)
@@ -78,9 +95,9 @@ static void mean_size(const sg_learn_input *in, size_t *width, size_t *height)
         h += (double)(l->y[l->height] - l->y[0]) / (double)in->n;
     }
     /* lattices without boundaries have unit cells: a picture of 20 px would show nothing */
-    const double scale = fmax(1, ceil(300 / fmax(w, h)));
-    *width = (size_t)(w * scale + 0.5);
-    *height = (size_t)(h * scale + 0.5);
+    const double side = fmax(w, h), scale = side > MAX_SIDE_PX ? MAX_SIDE_PX / side : fmax(1, ceil(300 / side));
+    *width = (size_t)fmax(1, w * scale + 0.5);
+    *height = (size_t)fmax(1, h * scale + 0.5);
 }
 
 typedef struct {

@@ -6,6 +6,8 @@
  * with columns of its own stays apart. Exact, by dynamic programming over the rows. */
 #include "learn/regroup_priv.h"
 
+#include "grammar/grammar.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -21,44 +23,60 @@ static double rule_length(size_t n)
     return (double)n * TYPICAL_LOG_SYMBOLS + MEAN_LENGTH - k * log(MEAN_LENGTH) + lgamma(k + 1);
 }
 
+/* The columns of the band of rows y..end-1, by kind: two columns of one kind are equal. Kinds are numbered by their first
+ * column. One more row on top splits kinds: that is all the work, so that noise of any size is grouped in a moment. */
 typedef struct {
     const uint32_t *t;
-    size_t width, height;
-    uint32_t *distinct; /* [width] one column of each kind met */
+    size_t width;
+    uint32_t *kind;             /* [width] of a column */
+    uint32_t *label, *next;     /* [width] of a kind: its top label, another kind split from the same one */
+    uint32_t *runs, *old_runs;  /* [width] of a kind: runs of equal labels in a column; before the last row came */
+    uint32_t *first_part;       /* [width] of an old kind: a kind split from it, SG_NONE: none yet */
 } band;
 
-static bool equal_columns(const band *b, size_t x, size_t other, size_t y0, size_t y1)
+static bool band_create(band *b, sg_arena *arena)
 {
-    for (size_t y = y0; y < y1; y++)
-        if (b->t[y * b->width + x] != b->t[y * b->width + other])
+    uint32_t **const arrays[] = {&b->kind, &b->label, &b->next, &b->runs, &b->old_runs, &b->first_part};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        if ((*arrays[i] = SG_NEW_ARRAY(arena, uint32_t, b->width)) == NULL)
             return false;
     return true;
 }
 
-static size_t runs_in_column(const band *b, size_t x, size_t y0, size_t y1)
+/* The part of an old kind that has this label on top; n is its number when it is new. */
+static uint32_t find_part(const band *b, uint32_t old, uint32_t label, uint32_t n)
 {
-    size_t runs = 1;
-    for (size_t y = y0 + 1; y < y1; y++)
-        runs += b->t[y * b->width + x] != b->t[(y - 1) * b->width + x];
-    return runs;
+    for (uint32_t k = b->first_part[old]; k != SG_NONE; k = b->next[k])
+        if (b->label[k] == label)
+            return k;
+    return n;
 }
 
-static double band_cost(const band *b, size_t y0, size_t y1)
+/* Description length of rows y..end-1 as a band, from what is known of rows y+1..end-1. */
+static double add_row(band *b, size_t y, size_t end)
 {
-    size_t runs = 0, ndistinct = 0;
+    const uint32_t *top = b->t + y * b->width;
+    size_t runs = 0;
+    uint32_t n = 0, left = SG_NONE;
     double columns = 0;
+    uint32_t *swap = b->runs;
+    b->runs = b->old_runs;
+    b->old_runs = swap;
+    for (size_t x = 0; x < b->width; x++)
+        b->first_part[x] = SG_NONE;
     for (size_t x = 0; x < b->width; x++) {
-        if (x > 0 && equal_columns(b, x, x - 1, y0, y1))
-            continue;
-        runs++;
-        bool known = false;
-        for (size_t k = 0; k < ndistinct && !known; k++)
-            known = equal_columns(b, x, b->distinct[k], y0, y1);
-        if (known)
-            continue;
-        b->distinct[ndistinct++] = (uint32_t)x;
-        const size_t n = runs_in_column(b, x, y0, y1);
-        columns += n > 1 ? rule_length(n) : 0;
+        const uint32_t old = y + 1 < end ? b->kind[x] : 0, kind = find_part(b, old, top[x], n);
+        if (kind == n) {
+            b->label[n] = top[x];
+            b->next[n] = b->first_part[old];
+            b->first_part[old] = n;
+            b->runs[n] = y + 1 < end ? b->old_runs[old] + (top[x] != top[x + b->width]) : 1;
+            columns += b->runs[n] > 1 ? rule_length(b->runs[n]) : 0;
+            n++;
+        }
+        b->kind[x] = kind;
+        runs += kind != left;
+        left = kind;
     }
     return TYPICAL_LOG_SYMBOLS + rule_length(runs) + columns;
 }
@@ -66,15 +84,15 @@ static double band_cost(const band *b, size_t y0, size_t y1)
 sg_status sg_regroup_floors(const uint32_t *t, size_t width, size_t height, sg_arena *arena, size_t *first,
                             size_t *ngroups)
 {
-    band b = {t, width, height, SG_NEW_ARRAY(arena, uint32_t, width)};
+    band b = {.t = t, .width = width};
     double *best = SG_NEW_ARRAY(arena, double, height + 1);
     size_t *from = SG_NEW_ARRAY(arena, size_t, height + 1);
-    if (b.distinct == NULL || best == NULL || from == NULL)
+    if (!band_create(&b, arena) || best == NULL || from == NULL)
         return SG_ENOMEM;
     for (size_t end = 1; end <= height; end++) {
         best[end] = INFINITY;
         for (size_t start = end; start-- > 0;) { /* ties: the smaller band */
-            const double cost = best[start] + band_cost(&b, start, end);
+            const double cost = best[start] + add_row(&b, start, end);
             if (cost < best[end]) {
                 best[end] = cost;
                 from[end] = start;

@@ -121,6 +121,19 @@ static sg_status run_merging(sg_line *l, const sg_search_opts *o, sg_error *err)
     }
 }
 
+/* K1, K2, ... by the chunks so far; a label of the data may be called so too. */
+static const char *name_chunk(sg_line *l)
+{
+    for (size_t k = l->history.chunks + 1;; k++) {
+        const char *name = sg_arena_printf(l->rules.arena, "K%zu", k);
+        bool taken = false;
+        for (size_t s = 0; name != NULL && s < l->rules.nsymbols && !taken; s++)
+            taken = strcmp(l->rules.symbols[s].name, name) == 0;
+        if (!taken)
+            return name;
+    }
+}
+
 /* Chunks as long as they lower the energy. */
 static sg_status run_chunking(sg_line *l, const sg_search_opts *o, bool *any, sg_error *err)
 {
@@ -132,7 +145,7 @@ static sg_status run_chunking(sg_line *l, const sg_search_opts *o, bool *any, sg
         SG_TRY(sg_chunk_best(&l->rules, &chunk, &found, err));
         if (!found || chunk.delta > -SG_LEAST_GAIN)
             break;
-        const char *name = sg_arena_printf(l->rules.arena, "K%zu", l->history.chunks + 1);
+        const char *name = name_chunk(l);
         if (name == NULL)
             return SG_FAIL_NOMEM(err);
         SG_TRY(sg_chunk_apply(&l->rules, &chunk, name, &symbol, err));

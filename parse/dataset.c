@@ -84,6 +84,20 @@ static sg_status check_labels(sg_dataset_check *c, const char *path, const sg_cl
     return SG_OK;
 }
 
+/* A photograph that is not needed may lack or be damaged, but one of another size is a sign that files were mixed up. */
+static sg_status check_size(sg_dataset_check *c, const sg_dataset_item *item, const size_t size[2], sg_error *err)
+{
+    size_t width, height;
+    sg_error inner = SG_ERROR_INIT;
+    const sg_status st = sg_photo_read_size(item->image, &width, &height, &inner);
+    if (st == SG_ENOMEM)
+        return SG_FAIL_NOMEM(err);
+    if (st == SG_OK && size[0] != 0 && (width != size[0] || height != size[1]))
+        sg_dataset_fault(c, "%s: %zu x %zu pixels, but %s has %zu x %zu", item->image, width, height, item->labels, size[0],
+                         size[1]);
+    return SG_OK;
+}
+
 static sg_status check_image(sg_dataset_check *c, const sg_dataset_item *item, const size_t size[2], sg_error *err)
 {
     sg_image im;
@@ -129,9 +143,9 @@ static sg_status check_item(sg_dataset_check *c, const char *name, const sg_clas
         return SG_FAIL_NOMEM(err);
     SG_TRY(find_image(c, name, &item->image, err));
     SG_TRY(check_labels(c, item->labels, classes, size, err));
-    if (c->opts->need_images && item->image != NULL)
-        SG_TRY(check_image(c, item, size, err));
-    return SG_OK;
+    if (item->image == NULL)
+        return SG_OK;
+    return c->opts->need_images ? check_image(c, item, size, err) : check_size(c, item, size, err);
 }
 
 static sg_status check_classes(sg_dataset_check *c, sg_classes *out, bool *good, sg_error *err)

@@ -33,7 +33,7 @@ typedef struct {
     int fold;                 /* 0: none, then all of labels/ in the order of their names (bytes) */
     sg_dataset_part part;     /* which part of the fold */
     size_t max_images;        /* 0: no limit; the first ones count */
-    bool need_images;         /* photographs are needed too, whole, and of the label maps' sizes; else they may lack */
+    bool need_images;         /* photographs are needed too, and whole; one of another size is a fault either way */
 } sg_dataset_opts;
 
 #define SG_DATASET_OPTS_INIT {NULL, NULL, 0, SG_SPLIT_TRAIN, 0, false}

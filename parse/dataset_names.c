@@ -5,6 +5,7 @@
 #include "core/array.h"
 #include "core/file.h"
 #include "core/lines.h"
+#include "core/utf8.h"
 #include "parse/dataset_priv.h"
 
 #include <dirent.h>
@@ -60,6 +61,8 @@ static const char *name_fault(const char *name)
     for (const char *p = name; *p != '\0'; p++)
         if ((unsigned char)*p < 32 || *p == 127)
             return "a name with a control character";
+    if (!sg_utf8_is(name, strlen(name)))
+        return "a name that is no UTF-8";
     return NULL;
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/array.h"
 #include "core/file.h"
+#include "core/utf8.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -179,6 +180,8 @@ static sg_status read_or_count(reader *r, const char *axis, size_t width, size_t
 
 static sg_status add_label(reader *r, sg_arena *arena, const word *w, uint16_t *number, sg_error *err)
 {
+    if (!sg_utf8_is(w->start, w->length))
+        return fail_at(r, w->start, err, "a label that is no UTF-8");
     if (r->nlabels == SG_LATTICE_MAX_LABELS)
         return fail_at(r, w->start, err, "too many different labels");
     name_entry *e = SG_NEW(arena, name_entry);

@@ -16,7 +16,6 @@
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 
 static const char HELP[] =
@@ -54,7 +53,7 @@ typedef struct {
     int nrules; /* asked for */
     double value;
     size_t starts;
-    bool pictures, loss;
+    bool pictures, loss, part_given;
 } options;
 
 /* What is kept of a finished map. */
@@ -152,7 +151,7 @@ static bool take_own(int opt, const char *arg, void *user)
         if (!sg_program_choice("--part", arg, parts, &part))
             return false;
         o->dataset.part = (sg_dataset_part)part;
-        return true;
+        return o->part_given = true;
     case OPT_NAMES:
         o->dataset.names_file = arg;
         return true;
@@ -179,6 +178,8 @@ static int parse_args(int argc, char **argv, options *o)
         return sg_program_usage("expected a folder for the lattices: -o DIR");
     if (o->nrules > 1)
         return sg_program_usage("of --cells, --accuracy, --mean-cells, --mean-accuracy, --lambda and --mu take one");
+    if (o->part_given && o->dataset.fold == 0)
+        return sg_program_usage("--part belongs to --fold");
     if (o->dataset.fold != 0 && o->dataset.names_file != NULL)
         return sg_program_usage("--fold and --names do not go together");
     o->folder = argv[optind];
@@ -569,27 +570,25 @@ static void tell_fault(void *user, const char *sentence)
     sg_program_complain("%s", sentence);
 }
 
-static bool is_same_file(const char *a, const char *b)
-{
-    struct stat sa, sb;
-    return a != NULL && stat(a, &sa) == 0 && stat(b, &sb) == 0 && sa.st_dev == sb.st_dev && sa.st_ino == sb.st_ino;
-}
-
-/* A picture NAME.png must not replace the label map or the photograph that it is of. */
+/* A picture NAME.png must not replace the label map or the photograph that it is of, nor the result anything read. */
 static sg_status spare_inputs(const job *j, sg_error *err)
 {
-    const sg_mark mark = sg_arena_mark(j->arena);
-    sg_status st = SG_OK;
-    for (size_t i = 0; st == SG_OK && j->opts->pictures && i < j->dataset.nitems; i++) {
+    const options *o = j->opts;
+    const char *const tables[] = {o->dataset.classes_file, o->dataset.names_file,
+                                  sg_arena_printf(j->arena, "%s/classes.tsv", o->folder),
+                                  sg_arena_printf(j->arena, "%s/folds/%d.tsv", o->folder, o->dataset.fold)};
+    SG_TRY(sg_program_spare(o->common.json, tables, sizeof tables / sizeof tables[0], err));
+    for (size_t i = 0; i < j->dataset.nitems; i++) {
         const sg_dataset_item *item = &j->dataset.items[i];
-        const char *path = sg_arena_printf(j->arena, "%s/%s.png", j->opts->output, item->name);
-        if (path == NULL)
-            st = SG_FAIL_NOMEM(err);
-        else if (is_same_file(item->labels, path) || is_same_file(item->image, path))
-            st = SG_FAIL(err, SG_EINVAL, "%s is read: the pictures need another folder", path);
+        const char *const read[] = {item->labels, item->image};
+        const char *picture = sg_arena_printf(j->arena, "%s/%s.png", o->output, item->name);
+        if (picture == NULL)
+            return SG_FAIL_NOMEM(err);
+        SG_TRY(sg_program_spare(o->common.json, read, 2, err));
+        if (o->pictures)
+            SG_TRY(sg_program_spare(picture, read, 2, err));
     }
-    sg_arena_rewind(j->arena, mark);
-    return st;
+    return SG_OK;
 }
 
 static sg_status run_job(job *j, sg_error *err)

@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "core/file.h"
+#include "core/utf8.h"
 #include "grammar/grammar.h"
 #include "parse/earley_em.h"
 #include "parse/earley_print.h"
@@ -125,6 +126,11 @@ static int parse_args(int argc, char **argv, options *o)
         return sg_program_usage("expected a grammar and at least one lattice");
     if (o->em_opts_given && !o->em_asked)
         return sg_program_usage("--em-mode, --alpha and --output belong to --em");
+    for (int i = optind; o->common.json != NULL && i < argc; i++)
+        if (!sg_utf8_is(argv[i], strlen(argv[i])))
+            return sg_program_usage("--json: the name '%s' is no UTF-8", argv[i]);
+    if (o->output != NULL && o->common.json != NULL && strcmp(o->output, o->common.json) == 0)
+        return sg_program_usage("--output and --json need a file each");
     o->grammar = argv[optind];
     o->lattices = argv + optind + 1;
     o->nlattices = (size_t)(argc - optind - 1);
@@ -237,11 +243,7 @@ static sg_status write_grammar(const job *j, sg_error *err)
     SG_TRY(sg_grammar_from_split(&j->form, &g, err));
     sg_status st = sg_output_open(&out, j->opts->output, err);
     if (st == SG_OK) {
-        st = sg_grammar_print(g, out.fp, err);
-        if (st == SG_OK)
-            st = sg_output_commit(&out, err);
-        else
-            sg_output_discard(&out);
+        st = sg_output_end(&out, sg_grammar_print(g, out.fp, err), err);
     }
     sg_grammar_free(g);
     return st;
@@ -368,13 +370,22 @@ static sg_status count_outside(const job *j, sg_error *err)
         }
     if (outside == 0)
         return SG_OK;
-    return outside == 1 ? SG_FAIL(err, SG_ENOPARSE, "%s is outside the language", j->opts->lattices[first])
-                        : SG_FAIL(err, SG_ENOPARSE, "%zu lattices are outside the language, %s the first of them",
-                                  outside, j->opts->lattices[first]);
+    const char *hint = j->opts->mode == SG_CELL_MODE ? " (in cell mode; with --mode region a label may cover many cells)" : "";
+    return outside == 1 ? SG_FAIL(err, SG_ENOPARSE, "%s is outside the language%s", j->opts->lattices[first], hint)
+                        : SG_FAIL(err, SG_ENOPARSE, "%zu lattices are outside the language, %s the first of them%s",
+                                  outside, j->opts->lattices[first], hint);
+}
+
+static sg_status spare_inputs(const options *o, const char *output, sg_error *err)
+{
+    SG_TRY(sg_program_spare(output, &o->grammar, 1, err));
+    return sg_program_spare(output, (const char *const *)o->lattices, o->nlattices, err);
 }
 
 static sg_status run(job *j, const sg_grammar *g, sg_error *err)
 {
+    SG_TRY(spare_inputs(j->opts, j->opts->output, err));
+    SG_TRY(spare_inputs(j->opts, j->opts->common.json, err));
     SG_TRY(sg_split_form_of(g, j->arena, &j->form, err));
     if (j->opts->untied)
         j->form.tied = false;

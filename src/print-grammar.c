@@ -40,8 +40,11 @@ static int read_options(int argc, char **argv, options *o)
                                           {NULL, 0, NULL, 0}};
     sg_common_opts common = SG_COMMON_OPTS_INIT;
     for (int c; (c = getopt_long(argc, argv, "o:", known, NULL)) != -1;) {
+        const form as = c == OPT_DOT ? AS_DOT : AS_JSON;
+        if ((c == SG_OPT_JSON || c == OPT_DOT) && o->as != AS_TEXT && o->as != as)
+            return sg_program_usage("--json and --dot exclude each other");
         if (c == SG_OPT_JSON || c == OPT_DOT)
-            o->as = c == OPT_DOT ? AS_DOT : AS_JSON;
+            o->as = as;
         else if (c == 'o')
             o->output = optarg;
         else
@@ -78,10 +81,7 @@ static sg_status print(const options *o, const sg_grammar *g, sg_error *err)
     const sg_status st = o->as == AS_JSON  ? print_json(g, out.fp, err)
                          : o->as == AS_DOT ? sg_grammar_print_dot(g, out.fp, err)
                                            : sg_grammar_print(g, out.fp, err);
-    if (st == SG_OK)
-        return sg_output_commit(&out, err);
-    sg_output_discard(&out);
-    return st;
+    return sg_output_end(&out, st, err);
 }
 
 int main(int argc, char **argv)
@@ -94,6 +94,8 @@ int main(int argc, char **argv)
         return done;
     sg_grammar *g = NULL;
     sg_status st = sg_grammar_load(o.grammar, &g, &err);
+    if (st == SG_OK)
+        st = sg_program_spare(o.output, &o.grammar, 1, &err);
     if (st == SG_OK)
         st = print(&o, g, &err);
     sg_grammar_free(g);

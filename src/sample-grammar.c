@@ -19,9 +19,9 @@
 #include <sys/stat.h>
 
 static const char help[] =
+    "Example: sample-grammar haussmann.sg -n 16 -o facades --sheet 4x4\n\n"
     "Usage: sample-grammar GRAMMAR -n N -o DIR [OPTION]...\n"
     "Sample models from a split grammar (*.sg, or its JSON form).\n\n"
-    "Example: sample-grammar haussmann.sg -n 16 -o facades --sheet 4x4\n\n"
     "  -n N               number of samples (default 1)\n"
     "  -o DIR             folder for the results; it is made when it is not there\n"
     "  --size WxH         size of a picture in pixels (default 300x400)\n"
@@ -384,6 +384,7 @@ static sg_status write_sheet(job *j, sg_error *err)
     o.columns = j->opts->columns < n ? j->opts->columns : n;
     if (snprintf(path, sizeof path, "%s/sheet.png", j->opts->folder) >= (int)sizeof path)
         return SG_FAIL(err, SG_EIO, "%s: the path is too long", j->opts->folder);
+    SG_TRY(check_not_input(j, path, err));
     SG_TRY(sg_contact_sheet(j->thumbs, n, &o, &sheet, err));
     const sg_status st = sg_png_write_rgb(path, &sheet, err);
     sg_image_clear(&sheet);

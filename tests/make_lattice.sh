@@ -110,7 +110,7 @@ absent x
 # No input is overwritten
 cp set/labels/f1.png before.png
 expect 2 "$program" set -o set/labels --pictures
-says err 'another folder'
+says err 'f1.png: this is read'
 cmp -s set/labels/f1.png before.png || fail "a label map was overwritten"
 
 # Bad input: all faults, before any work

@@ -192,6 +192,11 @@ START_TEST(one_pixel_and_labels_alone_are_enough)
     add_labels(f, "a", 1, 1, 0);
     add_image(f, "images/a.jpg", 1, 1);
     expect_items(f, &o, "abcde");
+    o.need_images = false; /* even then one of another size is told; a damaged one is not */
+    add_image(f, "images/a.jpg", 2, 1);
+    EXPECT_FAULTS(f, &o, "images/a.jpg: 2 x 1 pixels, but ");
+    temp_text(&f->t, "images/a.jpg", "damaged");
+    expect_items(f, &o, "abcde");
     finish(f);
 }
 END_TEST
@@ -233,6 +238,7 @@ START_TEST(unknown_labels_are_counted_and_placed)
     sg_dataset_opts o = SG_DATASET_OPTS_INIT;
     uint32_t colors[256] = {0};
     sg_label_map m;
+    add_image(f, "images/a.jpg", 10, 10);
     ck_assert_int_eq(sg_label_map_create(10, 10, &m, NULL), SG_OK);
     m.labels[34] = m.labels[57] = m.labels[58] = 7;
     m.labels[99] = 1;

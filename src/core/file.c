@@ -29,8 +29,8 @@ static sg_status open_temporary(sg_output *out, sg_error *err)
 {
     const char *slash = strrchr(out->path, '/');
     const int folder = slash != NULL ? (int)(slash - out->path + 1) : 0;
-    const char *name = out->path + folder;
-    const int n = snprintf(out->temp, sizeof out->temp, "%.*s.%s.XXXXXX", folder, out->path, name);
+    const char *name = out->path + folder; /* cut, because the longest allowed leaves no room for more */
+    const int n = snprintf(out->temp, sizeof out->temp, "%.*s.%.200s.XXXXXX", folder, out->path, name);
     if (n < 0 || (size_t)n >= sizeof out->temp)
         return SG_FAIL(err, SG_EIO, "%s: the path is too long", out->path);
     const int fd = mkstemp(out->temp);
@@ -51,6 +51,8 @@ sg_status sg_output_open(sg_output *out, const char *path, sg_error *err)
     out->fp = NULL;
     out->temp[0] = '\0';
     const int n = snprintf(out->path, sizeof out->path, "%s", path);
+    if (n == 0)
+        return SG_FAIL(err, SG_EIO, "an empty name for an output file");
     if (n < 0 || (size_t)n >= sizeof out->path)
         return SG_FAIL(err, SG_EIO, "%.200s...: the path is too long", path);
     if (strcmp(path, "-") == 0) {
@@ -63,16 +65,25 @@ sg_status sg_output_open(sg_output *out, const char *path, sg_error *err)
     return out->fp != NULL ? SG_OK : SG_FAIL(err, SG_EIO, "%s: %s", path, strerror(errno));
 }
 
+static bool is_write_error(int code)
+{
+    return code == ENOSPC || code == EFBIG || code == EDQUOT || code == EIO || code == EPIPE || code == EBADF;
+}
+
 sg_status sg_output_commit(sg_output *out, sg_error *err)
 {
     FILE *fp = out->fp;
     const bool to_stdout = fp == stdout, to_temp = out->temp[0] != '\0';
     out->fp = NULL;
+    /* when the stream has failed before, errno is what that write left, unless another call has changed it since */
+    const int before = errno;
     errno = 0;
-    bool good = !ferror(fp) && fflush(fp) == 0;
-    if (good && to_temp)
-        good = fsync(fileno(fp)) == 0;
-    int why = errno;
+    bool good = !ferror(fp);
+    int why = !good && is_write_error(before) ? before : 0;
+    if (good && (fflush(fp) != 0 || (to_temp && fsync(fileno(fp)) != 0))) {
+        good = false;
+        why = errno;
+    }
     if (!to_stdout && fclose(fp) != 0 && good) {
         good = false;
         why = errno;
@@ -98,6 +109,17 @@ void sg_output_discard(sg_output *out)
     out->fp = NULL;
     if (out->temp[0] != '\0')
         unlink(out->temp);
+}
+
+sg_status sg_output_end(sg_output *out, sg_status st, sg_error *err)
+{
+    if (st == SG_OK)
+        return sg_output_commit(out, err);
+    sg_output_discard(out);
+    if (st != SG_EIO || err == NULL)
+        return st;
+    const sg_error inner = *err;
+    return SG_FAIL(err, st, "%s: %.900s", strcmp(out->path, "-") == 0 ? "standard output" : out->path, inner.msg);
 }
 
 static sg_status read_all(FILE *fp, const char *path, size_t limit, sg_arena *arena, char **text, size_t *length,
@@ -156,11 +178,17 @@ sg_status sg_folder_create(const char *path, sg_error *err)
             continue;
         *p = '\0';
         if (mkdir(buffer, 0777) != 0 && (errno != EEXIST || !sg_folder_exists(buffer)))
-            return SG_FAIL(err, SG_EIO, "%s: %s", buffer, strerror(errno));
+            return SG_FAIL(err, SG_EIO, "%s: %s", buffer, errno == EEXIST ? strerror(ENOTDIR) : strerror(errno));
         if (c == '\0')
             return SG_OK;
         *p = c;
     }
+}
+
+bool sg_file_same(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
 bool sg_file_exists(const char *path)

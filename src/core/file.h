@@ -21,6 +21,9 @@ typedef struct {
 sg_status sg_output_open(sg_output *out, const char *path, sg_error *err);
 /** Flush, close and rename. On failure nothing is left behind. @return SG_OK, SG_EIO */
 sg_status sg_output_commit(sg_output *out, sg_error *err);
+/** Commit when the writing went well (st is SG_OK); else discard and return st, with the path before the sentence of a
+ *  failed write. @return st, SG_EIO */
+sg_status sg_output_end(sg_output *out, sg_status st, sg_error *err);
 /** Close and remove: after a failure on the way. Fine on an output that is committed or never opened. */
 void sg_output_discard(sg_output *out);
 
@@ -32,6 +35,8 @@ sg_status sg_file_read(const char *path, size_t limit, sg_arena *arena, char **t
 /** Make a folder and those above it; one that exists is fine. @return SG_OK, SG_EIO */
 sg_status sg_folder_create(const char *path, sg_error *err);
 
+/** Do two paths lead to one file or folder? False when one is not there. */
+bool sg_file_same(const char *a, const char *b);
 bool sg_file_exists(const char *path);
 bool sg_folder_exists(const char *path);
 

@@ -4,6 +4,8 @@
 
 #include "grammar/source.h"
 
+#include "core/utf8.h"
+
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -87,29 +89,13 @@ sg_status sg_source_fail(const sg_source *s, sg_pos at, sg_error *err, const cha
     return SG_FAIL(err, SG_EINPUT, "%.250s: rule %u: error: %s", s->name, at.offset, sentence);
 }
 
-/* Length of the valid UTF-8 sequence at p (n bytes are left), 0 when it is invalid (overlong and surrogates too). */
-static size_t sequence(const unsigned char *p, size_t n)
-{
-    if (p[0] < 0x80)
-        return 1;
-    const size_t length = p[0] < 0xC2 ? 0 : p[0] < 0xE0 ? 2 : p[0] < 0xF0 ? 3 : p[0] < 0xF5 ? 4 : 0;
-    if (length == 0 || length > n)
-        return 0;
-    for (size_t i = 1; i < length; i++)
-        if ((p[i] & 0xC0) != 0x80)
-            return 0;
-    const bool overlong = (p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xF0 && p[1] < 0x90);
-    const bool no_character = (p[0] == 0xED && p[1] > 0x9F) || (p[0] == 0xF4 && p[1] > 0x8F);
-    return overlong || no_character ? 0 : length;
-}
-
 sg_status sg_source_check(const sg_source *s, sg_error *err)
 {
     uint32_t line = 1;
     for (size_t i = 0; i < s->length;) {
         const unsigned char c = (unsigned char)s->text[i];
         const sg_pos at = {(uint32_t)i, line};
-        const size_t n = sequence((const unsigned char *)s->text + i, s->length - i);
+        const size_t n = sg_utf8_sequence(s->text + i, s->length - i);
         if (n == 0)
             return sg_source_fail(s, at, err, "byte 0x%02x is no UTF-8", c);
         if ((c < 0x20 && strchr("\t\n\r\f", c) == NULL) || c == 0 || c == 0x7F)

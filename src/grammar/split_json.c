@@ -275,6 +275,8 @@ static sg_status read_sizes(const reader *r, size_t rule, const json_t *o, sg_sp
 {
     const json_t *attributes = json_object_get(o, "attributes"), *mean = json_object_get(o, "mean"),
                  *covariance = json_object_get(o, "covariance");
+    if (attributes != NULL && !json_is_array(attributes))
+        return FAIL(r, rule, "\"attributes\" is no array");
     if (json_array_size(attributes) > 0) {
         out->nattributes = json_array_size(attributes);
         SG_TRY(get_table(r, rule, attributes, "attributes", out->nattributes, out->n, &out->attributes));

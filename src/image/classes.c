@@ -4,6 +4,7 @@
 
 #include "core/file.h"
 #include "core/lines.h"
+#include "core/utf8.h"
 #include "image/classes.h"
 
 #include <ctype.h>
@@ -40,7 +41,7 @@ static bool is_good_name(const char *name)
     for (const char *p = name; *p != '\0'; p++)
         if (isspace((unsigned char)*p) || iscntrl((unsigned char)*p))
             return false;
-    return name[0] != '\0' && name[0] != '#';
+    return name[0] != '\0' && name[0] != '#' && sg_utf8_is(name, strlen(name));
 }
 
 static sg_status add_class(sg_classes *c, const listing *l, size_t index, sg_error *err)
@@ -111,7 +112,7 @@ static sg_status read_line(sg_lines *lines, listing *l, sg_error *err)
         return sg_lines_fail(lines, field[0], err, "index %zu stands twice in the table", index);
     if (!is_good_name(field[1]))
         return sg_lines_fail(lines, field[1], err,
-                             "'%.80s' is no class name: it must be one word, not beginning with #", field[1]);
+                             "'%.80s' is no class name: it must be one word of UTF-8, not beginning with #", field[1]);
     if (!parse_color(field[2], &color))
         return sg_lines_fail(lines, field[2], err, "'%.80s' is no colour (#rrggbb)", field[2]);
     l->name[index] = field[1];

@@ -5,7 +5,10 @@
 
 #include "program/program.h"
 
+#include "core/file.h"
+
 #include <errno.h>
+#include <fcntl.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <signal.h>
@@ -30,9 +33,19 @@ static void on_signal(int signal_number)
     interrupted = 1;
 }
 
+/* A file opened by a program whose standard output is closed would get that number, and with it what is printed. What
+ * takes the place here opens the wrong way round, so that its use fails as it would have. */
+static void guard_standard_streams(void)
+{
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+            return;
+}
+
 void sg_program_begin(const char *name)
 {
     program_name = name;
+    guard_standard_streams();
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
@@ -113,8 +126,16 @@ bool sg_program_double(const char *option, const char *arg, double low, double h
         sg_program_usage("%s: '%s' is no number from %g to %g", option, arg, low, high);
         return false;
     }
-    *out = v;
+    *out = v + 0.0; /* -0 becomes 0 */
     return true;
+}
+
+sg_status sg_program_spare(const char *output, const char *const *inputs, size_t n, sg_error *err)
+{
+    for (size_t i = 0; output != NULL && strcmp(output, "-") != 0 && i < n; i++)
+        if (inputs[i] != NULL && sg_file_exists(output) && sg_file_same(output, inputs[i]))
+            return SG_FAIL(err, SG_EINVAL, "%s: this is read; it will not be written over", output);
+    return SG_OK;
 }
 
 bool sg_program_choice(const char *option, const char *arg, const char *const *choices, int *out)
@@ -149,7 +170,7 @@ sg_option_result sg_program_option(int opt, const char *arg, const char *help, s
         print_version();
         return SG_OPTION_EXIT_OK;
     case SG_OPT_SEED:
-        if (!sg_program_size("--seed", arg, 0, SIZE_MAX, &n))
+        if (!sg_program_size("--seed", arg, 0, INT64_MAX, &n))
             return SG_OPTION_BAD;
         opts->seed = n;
         return SG_OPTION_TAKEN;

@@ -57,6 +57,9 @@ bool sg_program_double(const char *option, const char *arg, double low, double h
 /** Index of arg in a NULL-terminated list; complains with the list and returns false when it is not in it. */
 bool sg_program_choice(const char *option, const char *arg, const char *const *choices, int *out);
 
+/** No run overwrites its input: SG_EINVAL when an output is the same file as one of n inputs (NULL: none). */
+sg_status sg_program_spare(const char *output, const char *const *inputs, size_t n, sg_error *err);
+
 /** "program: message" on standard error. */
 void sg_program_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /** Wrong usage: complain, point at --help, return 2. */

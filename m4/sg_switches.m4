@@ -13,7 +13,7 @@ AC_DEFUN([SG_COVERAGE], [
   AC_ARG_ENABLE([coverage], [AS_HELP_STRING([--enable-coverage], [instrument the code for gcov])],
     [sg_coverage=$enableval], [sg_coverage=no])
   AS_IF([test "x$sg_coverage" = xyes], [
-    SG_CFLAGS="$SG_CFLAGS --coverage -O0"; SG_CXXFLAGS="$SG_CXXFLAGS --coverage -O0"
+    SG_CFLAGS="$SG_CFLAGS --coverage"; SG_CXXFLAGS="$SG_CXXFLAGS --coverage"
     SG_LDFLAGS="$SG_LDFLAGS --coverage"])
 ])
 

@@ -163,7 +163,7 @@ static sg_status check_classes(sg_dataset_check *c, sg_classes *out, bool *good,
 
 static sg_status check_all(sg_dataset_check *c, sg_dataset *d, sg_error *err)
 {
-    bool good;
+    bool good = false;
     sg_dataset_names chosen = {NULL, 0};
     SG_TRY(check_classes(c, &d->classes, &good, err));
     SG_TRY(sg_dataset_choose(c, &chosen, err));

@@ -21,8 +21,9 @@ make_demo() { # BUILD-FOLDER FOLDER SEED
     run_step "fitting lattices to 30 facades" "$log/lattices.txt" \
         "$build"/parse/make-lattice "$data" --fold 1 -o "$out/lattices" --pictures
     run_step "learning a grammar" "$log/learning.txt" \
-        "$build"/learn/learn-grammar "$data" --fold 1 --tied --seed "$seed" -o "$out/grammar.sg" --initial "$out/initial.sg" \
-        --json "$out/learning.json" --report "$out/report"
+        "$build"/learn/learn-grammar "$data" --fold 1 --weight 0.3 --compatible sizes --tied --seed "$seed" \
+        -o "$out/grammar.sg" --initial "$out/initial.sg" --json "$out/learning.json" \
+        --report "$out/report"
     run_step "drawing it" "$log/drawing.txt" sh -c \
         '"$1"/src/print-grammar --dot "$2/grammar.sg" | dot -Tsvg -o "$2/graph.svg"' sh "$build" "$out"
     run_step "sampling 28 new facades" "$log/samples.txt" \

@@ -34,7 +34,11 @@ done
 # shellcheck disable=SC2086
 install_missing $needs
 bootstrap
+# A folder that was configured before Check was installed (by demo.sh, say) would leave nearly all tests out.
+has_check() { grep -q '^CHECK_LIBS = .' "$folder/Makefile" 2>/dev/null; }
+has_check || rm -f "$folder/.options"
 configure_in "$folder" ${options[@]+"${options[@]}"}
+has_check || die "configure did not find Check, which the tests need; see $folder/log/configure.log"
 build_in "$folder" all
 run_step "building the tests" "$folder/log/build-tests.log" make -C "$folder" -j"$(cores)" check TESTS=
 printf '== testing ...\n'

@@ -36,7 +36,7 @@ install_missing $needs
 bootstrap
 # A folder that was configured before Check was installed (by demo.sh, say) would leave nearly all tests out.
 has_check() { grep -q '^CHECK_LIBS = .' "$folder/Makefile" 2>/dev/null; }
-has_check || rm -f "$folder/.options"
+has_check || rm -f "$folder/config.status"
 configure_in "$folder" ${options[@]+"${options[@]}"}
 has_check || die "configure did not find Check, which the tests need; see $folder/log/configure.log"
 build_in "$folder" all

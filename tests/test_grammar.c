@@ -541,6 +541,8 @@ static const struct {
     {"limit size 3", "expected 'limit depth'"},
     {"rule A -> \"unfinished\n", "the quoted name does not end on its line"},
     {"start A rule A -> \"\"", "an empty name"},
+    {"label wall #ff00 \nstart A rule A -> wall", "'#ff00' is no colour"},
+    {"label wall #ff00000\nstart A rule A -> wall", "'#ff00000' is no colour"},
     {"const a = 3x", "'3x' is neither a number nor a name"},
     {"start A rule A -> split w { A }", "found axis 'w'; expected x, y or z"},
     {"start A rule A -> components { roof : A }", "found face 'roof'; expected front"},

@@ -2,6 +2,7 @@
 /* draw_grammar.c - a split grammar as layered cards in SVG. */
 #include "learn/draw_grammar.h"
 
+#include "core/markup.h"
 #include "learn/likely_priv.h"
 
 #include <math.h>
@@ -36,19 +37,6 @@ typedef struct {
     double page_height;
     FILE *out;
 } drawing;
-
-static const char *escape_name(const char *name, char *to, size_t size)
-{
-    size_t n = 0;
-    for (; *name != '\0' && n + 7 < size; name++) {
-        if (*name == '&' || *name == '<' || *name == '>' || *name == '"')
-            n += (size_t)snprintf(to + n, size - n, "&#%d;", *name);
-        else
-            to[n++] = *name;
-    }
-    to[n] = '\0';
-    return to;
-}
 
 /* Breadth first from the axiom: layers, and the size of a typical region of each symbol. */
 static void find_layers(drawing *d)
@@ -171,15 +159,14 @@ static void draw_card(const drawing *d, uint32_t x)
     static const char *const op[] = {"split-x", "split-y", "label"};
     const card *c = &d->cards[x];
     const uint32_t nrules = d->likely.first[x + 1] - d->likely.first[x];
-    char name[256];
     double w, h, y = c->y + HEADER;
     thumb_size(d, x, &w, &h);
     fprintf(d->out,
             "<g><rect x=\"%.1f\" y=\"%.1f\" width=\"%d\" height=\"%.1f\" rx=\"5\" fill=\"#fff\" stroke=\"#889\"/>\n"
-            "<text x=\"%.1f\" y=\"%.1f\" font-weight=\"bold\">%s</text>\n",
-            c->x, c->y, CARD, c->height, c->x + PAD, c->y + 14,
-            escape_name(d->f->symbol_names[x], name, sizeof name));
-    fprintf(d->out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" fill=\"#667\">%u rule%s</text>\n",
+            "<text x=\"%.1f\" y=\"%.1f\" font-weight=\"bold\">",
+            c->x, c->y, CARD, c->height, c->x + PAD, c->y + 14);
+    sg_markup_text(d->out, d->f->symbol_names[x]);
+    fprintf(d->out, "</text>\n<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" fill=\"#667\">%u rule%s</text>\n",
             c->x + CARD - PAD, c->y + 14, nrules, nrules == 1 ? "" : "s");
     uint32_t shown[MOST_RULES];
     const uint32_t n = choose_rules(d, x, shown);

@@ -2,8 +2,6 @@
 /* label_sets.c - which labels a symbol can reach. */
 #include "learn/label_sets_priv.h"
 
-#include <string.h>
-
 /* Add set b to set a; true when that changed a. */
 static bool unite(uint64_t *a, const uint64_t *b, size_t nwords)
 {
@@ -46,9 +44,4 @@ size_t sg_label_sets_size(const sg_label_sets *sets, uint32_t symbol)
     for (size_t i = 0; i < sets->nwords; i++)
         n += (size_t)__builtin_popcountll(sets->bits[symbol * sets->nwords + i]);
     return n;
-}
-
-bool sg_label_sets_equal(const sg_label_sets *sets, uint32_t a, uint32_t b)
-{
-    return memcmp(sets->bits + a * sets->nwords, sets->bits + b * sets->nwords, sets->nwords * sizeof *sets->bits) == 0;
 }

@@ -19,7 +19,5 @@ typedef struct {
 sg_status sg_label_sets_of(const sg_split_form *f, sg_arena *arena, sg_label_sets *out, sg_error *err);
 /** Number of labels that a symbol reaches. */
 size_t sg_label_sets_size(const sg_label_sets *sets, uint32_t symbol);
-/** True when two symbols reach the same labels: the model-merging paper's condition for a merge. */
-bool sg_label_sets_equal(const sg_label_sets *sets, uint32_t a, uint32_t b);
 
 #endif

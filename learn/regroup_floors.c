@@ -12,7 +12,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Non-terminals of a typical grammar, for the price of a symbol; a factor of two in it moves no band on real facades. */
+/* For the price of a symbol: log of the non-terminals of a typical initial grammar (about 200). Half or twice as many
+ * change the 1469 rules of the initial grammar of all 104 ECP facades to 1477 or 1463. */
 static const double TYPICAL_LOG_SYMBOLS = 5.3;
 static const double MEAN_LENGTH = 2; /* of the Poisson prior over lengths */
 

@@ -3,6 +3,7 @@
 #include "learn/report.h"
 
 #include "core/file.h"
+#include "core/markup.h"
 #include "learn/chart_priv.h"
 #include "learn/draw_grammar.h"
 
@@ -29,16 +30,6 @@ sg_grammar_sizes sg_split_form_sizes(const sg_split_form *f)
     return s;
 }
 
-static void text(FILE *out, const char *s)
-{
-    for (; *s != '\0'; s++) {
-        if (*s == '&' || *s == '<' || *s == '>' || *s == '"')
-            fprintf(out, "&#%d;", *s);
-        else
-            fputc(*s, out);
-    }
-}
-
 static void write_lines(FILE *out, const char *title, const sg_report_line *lines, size_t n)
 {
     if (n == 0)
@@ -46,9 +37,9 @@ static void write_lines(FILE *out, const char *title, const sg_report_line *line
     fprintf(out, "<table><thead><tr><th colspan=\"2\">%s</th></tr></thead><tbody>\n", title);
     for (size_t i = 0; i < n; i++) {
         fputs("<tr><td>", out);
-        text(out, lines[i].name);
+        sg_markup_text(out, lines[i].name);
         fputs("</td><td>", out);
-        text(out, lines[i].value);
+        sg_markup_text(out, lines[i].value);
         fputs("</td></tr>\n", out);
     }
     fputs("</tbody></table>\n", out);
@@ -82,7 +73,7 @@ static void write_steps(FILE *out, const sg_report *r)
     for (size_t i = 0; i < r->nsteps; i++) {
         const sg_report_step *s = &r->steps[i];
         fprintf(out, "<tr><td>%zu</td><td style=\"text-align:left\">", i);
-        text(out, s->what);
+        sg_markup_text(out, s->what);
         fprintf(out, "</td><td>%.2f</td><td>%.2f</td><td>%zu</td><td>%zu</td><td>%zu</td></tr>\n", s->energy,
                 i > 0 ? s->energy - r->steps[i - 1].energy : 0.0, s->nonterminals, s->rules_x, s->rules_y);
     }
@@ -108,11 +99,11 @@ static void write_pictures(FILE *out, const char *title, const sg_report_picture
     fprintf(out, "<h2>%s</h2>\n<div class=\"pictures\">\n", title);
     for (size_t i = 0; i < n; i++) {
         fputs("<figure><a href=\"", out);
-        text(out, p[i].file);
+        sg_markup_text(out, p[i].file);
         fputs("\"><img src=\"", out);
-        text(out, p[i].file);
+        sg_markup_text(out, p[i].file);
         fputs("\" alt=\"\"></a>", out);
-        text(out, p[i].caption);
+        sg_markup_text(out, p[i].caption);
         fputs("</figure>\n", out);
     }
     fputs("</div>\n", out);
@@ -125,7 +116,7 @@ static void write_labels(FILE *out, const sg_split_form *f)
         fprintf(out, "<span style=\"display:inline-block;width:1em;height:1em;background:#%06x;border:1px solid #889;"
                      "vertical-align:-.15em\"></span> ",
                 f->terminal_colors[t]);
-        text(out, f->terminal_names[t]);
+        sg_markup_text(out, f->terminal_names[t]);
         fputs(" &nbsp; ", out);
     }
     fputs("</p>\n", out);
@@ -134,9 +125,9 @@ static void write_labels(FILE *out, const sg_split_form *f)
 static sg_status write_page(FILE *out, const sg_report *r, double *values, sg_error *err)
 {
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>", out);
-    text(out, r->title);
+    sg_markup_text(out, r->title);
     fprintf(out, "</title><style>%s</style></head><body>\n<h1>", style);
-    text(out, r->title);
+    sg_markup_text(out, r->title);
     fputs("</h1>\n<div class=\"row\">\n", out);
     write_lines(out, "Settings", r->settings, r->nsettings);
     write_lines(out, "Result", r->results, r->nresults);

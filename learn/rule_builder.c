@@ -79,6 +79,10 @@ uint32_t sg_rule_builder_symbol(sg_rule_builder *b, const uint32_t *key, size_t 
 
 void sg_rule_builder_name(sg_rule_builder *b, uint32_t index, const char *name)
 {
+    if (b->last_symbol != NULL && b->last_symbol->index == index) { /* nearly always: named as soon as made */
+        b->last_symbol->name = name;
+        return;
+    }
     for (symbol *s = b->first_symbol; s != NULL; s = s->next)
         if (s->index == index)
             s->name = name;

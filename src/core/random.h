@@ -15,7 +15,7 @@ extern const gsl_rng_type *const sg_random_philox;
 gsl_rng *sg_random_create(uint64_t seed);
 
 /** Put r at the start of the stream of (seed, chain, iteration). Streams with different keys are independent; each
- *  holds 2^33 32-bit draws. r must be of type sg_random_philox. */
+ *  holds 2^34 32-bit draws. r must be of type sg_random_philox. */
 void sg_random_stream(gsl_rng *r, uint64_t seed, uint32_t chain, uint64_t iteration);
 
 /** A uniform in the open interval (0,1) with 52 random bits: never 0 or 1, so every inverse cdf takes it. */

@@ -24,7 +24,7 @@ typedef struct {
     sg_sym symbol;
     sg_rule_id rule;   /* SG_NONE: open; SG_RULE_EMPTY: cut at the depth limit */
     uint32_t parent;   /* distance back to the parent; 0 for the root */
-    uint32_t length;   /* nodes in the subtree, itself included */
+    uint32_t length;   /* nodes in the subtree, itself included; first child: node + 1, next sibling: node + length */
     uint32_t depth;    /* of the root: 0 */
     uint32_t values;   /* first of its values: arguments, then draw values; nparams + nvalues of the rule */
     uint32_t uniforms; /* first of its uniforms: nuniforms of the rule */
@@ -85,9 +85,6 @@ sg_status sg_derivation_choose(const sg_derivation *d, size_t node, gsl_rng *rng
  *  @return SG_OK, SG_EINVAL (not open, or no rule of its symbol), SG_ENUMERIC, SG_ENOMEM; on failure d is as it was */
 sg_status sg_derivation_expand(sg_derivation *d, size_t node, sg_rule_id rule, gsl_rng *rng, sg_error *err);
 bool sg_derivation_complete(const sg_derivation *d);
-
-/** Children of a node: the first is node + 1, the next one is child + nodes[child].length. */
-static inline size_t sg_derivation_first_child(size_t node) { return node + 1; }
 
 /** Log prior in the space of uniforms: the sum of log rule probabilities. Open nodes count nothing; tied siblings stand
  *  once in the tree and count once. -INFINITY when a rule has probability 0 where it stands (its guard fails, or it is not

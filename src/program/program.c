@@ -59,11 +59,6 @@ void sg_program_begin(const char *name)
     gsl_set_error_handler_off();
 }
 
-bool sg_program_interrupted(void)
-{
-    return interrupted != 0;
-}
-
 __attribute__((format(printf, 1, 0))) static void complain_list(const char *format, va_list ap)
 {
     sg_program_progress_end();

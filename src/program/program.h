@@ -72,7 +72,5 @@ int sg_program_end(sg_status status, const sg_error *err);
 sg_progress sg_program_progress(const sg_common_opts *opts);
 /** Wipe the bar. */
 void sg_program_progress_end(void);
-/** True once SIGINT or SIGTERM came. */
-bool sg_program_interrupted(void);
 
 #endif

@@ -2,17 +2,7 @@
 /* label_svg.c - label scenes as scalable vector graphics. */
 #include "scene/label_svg.h"
 
-static void write_text(const char *s, FILE *out)
-{
-    for (; *s != '\0'; s++) {
-        if (*s == '<')
-            fputs("&lt;", out);
-        else if (*s == '&')
-            fputs("&amp;", out);
-        else if ((unsigned char)*s >= ' ')
-            fputc(*s, out);
-    }
-}
+#include "core/markup.h"
 
 static void write_label(const sg_label_scene *scene, const sg_grammar *g, sg_sym label, FILE *out)
 {
@@ -23,7 +13,7 @@ static void write_label(const sg_label_scene *scene, const sg_grammar *g, sg_sym
             continue;
         if (!open) {
             fprintf(out, "<g fill=\"#%06x\"><title>", (unsigned)sg_grammar_symbol(g, label)->color);
-            write_text(sg_grammar_symbol(g, label)->name, out);
+            sg_markup_text(out, sg_grammar_symbol(g, label)->name);
             fputs("</title>\n", out);
             open = true;
         }

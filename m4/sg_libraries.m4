@@ -29,7 +29,7 @@ AC_DEFUN([SG_LIB_OPENCV], [
   for sg_flag in $OPENCV_LIBS; do
     AS_CASE([$sg_flag], [-L*], [sg_opencv_dirs="$sg_opencv_dirs $sg_flag"])
   done
-  OPENCV_LIBS="$sg_opencv_dirs -lopencv_imgcodecs -lopencv_imgproc -lopencv_core"])
+  OPENCV_LIBS="$sg_opencv_dirs -lopencv_ml -lopencv_imgcodecs -lopencv_imgproc -lopencv_core"])
 
 AC_DEFUN([SG_LIB_RANDOM123], [
   AC_CHECK_HEADER([Random123/philox.h], [], [SG_NEED([Random123], [librandom123-dev])])])

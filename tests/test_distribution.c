@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_distribution.c - draws as maps from uniforms: inverses, densities as Jacobians, tails, the simplex of sizes. */
+/* test_distribution.c - draws as maps from uniforms: inverses, densities as Jacobians, tails. Sizes: test_simplex.c. */
 #include "grammar/distribution.h"
 
-#include "grammar/simplex_priv.h"
 #include "grammar/truncated.h"
 #include "tests/grammar_support.h"
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_integration.h>
-#include <gsl/gsl_linalg.h>
 #include <gsl/gsl_randist.h>
 
 /* Quantiles and log densities there, from 120-digit arithmetic. */
@@ -284,178 +282,6 @@ START_TEST(values_outside_the_support_have_density_zero)
 }
 END_TEST
 
-/* ---- sizes ---- */
-
-/* A random positive definite covariance of k-1 sizes with standard deviations about `scale`. */
-static const sg_simplex *random_simplex(gsl_rng *rng, sg_arena *arena, size_t k, double scale)
-{
-    sg_error err = SG_ERROR_INIT;
-    const size_t n = k - 1;
-    double *mean = SG_NEW_ARRAY(arena, double, k), *covariance = SG_NEW_ARRAY(arena, double, n * n);
-    double *factor = SG_NEW_ARRAY(arena, double, n * n), sum = 0;
-    for (size_t i = 0; i < k; i++)
-        sum += mean[i] = 0.1 + gsl_rng_uniform(rng);
-    for (size_t i = 0; i < k; i++)
-        mean[i] /= sum;
-    for (size_t i = 0; i < n * n; i++)
-        factor[i] = scale * gsl_ran_gaussian(rng, 1) / sqrt((double)k);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) {
-            covariance[i * n + j] = i == j ? scale * scale * 0.01 : 0;
-            for (size_t c = 0; c < n; c++)
-                covariance[i * n + j] += factor[i * n + c] * factor[j * n + c];
-        }
-    const sg_simplex *s = NULL;
-    ck_ok(sg_simplex_create(arena, k, mean, covariance, &s, &err));
-    return s;
-}
-
-START_TEST(sizes_are_positive_and_sum_to_one)
-{
-    gsl_rng *rng = sg_random_create((uint64_t)_i);
-    sg_arena *arena = sg_arena_create();
-    for (int i = 0; i < 200; i++) {
-        const size_t k = 1 + gsl_rng_uniform_int(rng, 12);
-        const bool extreme = i % 3 == 0; /* uniforms that no rounding can bring back, but sizes all the same */
-        const sg_simplex *s = random_simplex(rng, arena, k, pow(10, 4 * gsl_rng_uniform(rng) - 3));
-        double u[12], value[12], back[12], again[12], sum = 0;
-        for (size_t j = 0; j + 1 < k; j++)
-            u[j] = extreme ? (gsl_rng_uniform(rng) < 0.5 ? 0x1p-53 : 1 - 0x1p-53) : sg_random_uniform(rng);
-        sg_simplex_transform(s, u, value);
-        for (size_t j = 0; j < k; j++) {
-            ck_assert_msg(value[j] > 0 && value[j] <= 1, "size %zu of %zu is %g", j, k, value[j]);
-            sum += value[j];
-        }
-        ck_assert_double_eq_tol(sum, 1, 1e-14);
-        ck_assert(sg_simplex_invert(s, value, back));
-        ck_assert(isfinite(sg_simplex_log_density(s, value)));
-        sg_simplex_transform(s, back, again);
-        for (size_t j = 0; j < k && !extreme; j++)
-            ck_assert_double_eq_tol(value[j], again[j], 1e-9);
-    }
-    gsl_rng_free(rng);
-    sg_arena_free(arena);
-}
-END_TEST
-
-/* The density in value space is one over the Jacobian determinant of the map from uniforms: by central differences. */
-START_TEST(density_of_sizes_is_the_jacobian)
-{
-    gsl_rng *rng = sg_random_create(100 + (uint64_t)_i);
-    sg_arena *arena = sg_arena_create();
-    enum { MAX = 5 };
-    const double h = 1e-6;
-    for (int i = 0; i < 50; i++) {
-        const size_t k = 2 + gsl_rng_uniform_int(rng, MAX - 1), n = k - 1;
-        const sg_simplex *s = random_simplex(rng, arena, k, pow(10, 2 * gsl_rng_uniform(rng) - 2));
-        double u[MAX], value[MAX], up[MAX], down[MAX];
-        gsl_matrix *jacobian = gsl_matrix_alloc(n, n);
-        for (size_t j = 0; j < n; j++)
-            u[j] = 0.05 + 0.9 * gsl_rng_uniform(rng);
-        sg_simplex_transform(s, u, value);
-        for (size_t j = 0; j < n; j++) {
-            const double at = u[j];
-            u[j] = at + h;
-            sg_simplex_transform(s, u, up);
-            u[j] = at - h;
-            sg_simplex_transform(s, u, down);
-            u[j] = at;
-            for (size_t r = 0; r < n; r++)
-                gsl_matrix_set(jacobian, r, j, (up[r] - down[r]) / (2 * h));
-        }
-        gsl_permutation *p = gsl_permutation_alloc(n);
-        int sign;
-        gsl_linalg_LU_decomp(jacobian, p, &sign);
-        const double log_jacobian = gsl_linalg_LU_lndet(jacobian);
-        ck_assert_double_eq_tol(sg_simplex_log_density(s, value), -log_jacobian, 1e-4);
-        gsl_permutation_free(p);
-        gsl_matrix_free(jacobian);
-    }
-    gsl_rng_free(rng);
-    sg_arena_free(arena);
-}
-END_TEST
-
-/* Where no border is near, the draws have the mean and the covariance that they were made from. */
-START_TEST(sizes_have_the_moments_of_the_model)
-{
-    enum { K = 4, N = 40000 };
-    static const double mean[K] = {0.2, 0.3, 0.3, 0.2};
-    static const double covariance[9] = {4e-4, -1e-4, 1e-4, -1e-4, 9e-4, -3e-4, 1e-4, -3e-4, 4e-4};
-    sg_error err = SG_ERROR_INIT;
-    sg_arena *arena = sg_arena_create();
-    gsl_rng *rng = sg_random_create(5);
-    const sg_simplex *s = NULL;
-    ck_ok(sg_simplex_create(arena, K, mean, covariance, &s, &err));
-    double sum[K] = {0}, products[9] = {0};
-    for (int i = 0; i < N; i++) {
-        double u[K - 1], v[K];
-        for (int j = 0; j + 1 < K; j++)
-            u[j] = sg_random_uniform(rng);
-        sg_simplex_transform(s, u, v);
-        for (int j = 0; j < K; j++)
-            sum[j] += v[j];
-        for (int j = 0; j < 9; j++)
-            products[j] += (v[j / 3] - mean[j / 3]) * (v[j % 3] - mean[j % 3]);
-    }
-    for (int j = 0; j < K; j++)
-        ck_assert_double_eq_tol(sum[j] / N, mean[j], 5 * 0.03 / sqrt(N));
-    for (int j = 0; j < 9; j++)
-        ck_assert_double_eq_tol(products[j] / N, covariance[j], 5 * 1.5 * 9e-4 / sqrt(N));
-    gsl_rng_free(rng);
-    sg_arena_free(arena);
-}
-END_TEST
-
-static double two_size_density(double x, void *user)
-{
-    const double value[2] = {x, 1 - x};
-    return exp(sg_simplex_log_density(user, value));
-}
-
-/* With two sizes: the normal, cut to (0, 1) and normalised; also where the mean is far outside. */
-START_TEST(two_sizes_are_a_truncated_normal)
-{
-    static const double means[] = {0.5, 0.02, 0.98, -3, 5}, sds[] = {0.1, 0.01, 0.3};
-    sg_error err = SG_ERROR_INIT;
-    sg_arena *arena = sg_arena_create();
-    gsl_integration_workspace *w = gsl_integration_workspace_alloc(1000);
-    for (int i = 0; i < 15; i++) {
-        const double mean[2] = {means[i % 5], 1 - means[i % 5]}, sd = sds[i / 5], variance = sd * sd;
-        const sg_simplex *s = NULL;
-        ck_ok(sg_simplex_create(arena, 2, mean, &variance, &s, &err));
-        gsl_function f = {two_size_density, (void *)(uintptr_t)s};
-        double mass, error;
-        const double mode = fmin(fmax(mean[0], 0), 1);
-        double points[] = {0, fmax(mode - 8 * sd, 1e-4), fmax(fmin(mode, 0.9995), 5e-4), fmin(mode + 8 * sd, 1 - 1e-4), 1};
-        gsl_integration_qagp(&f, points, 5, 1e-10, 1e-8, 1000, w, &mass, &error);
-        ck_assert_double_eq_tol(mass, 1, 1e-7);
-        const double a[2] = {0.3, 0.7}, b[2] = {0.6, 0.4}; /* ratio of densities is that of the normal */
-        const double ratio = sg_simplex_log_density(s, a) - sg_simplex_log_density(s, b);
-        const double wanted = (pow(0.6 - mean[0], 2) - pow(0.3 - mean[0], 2)) / (2 * variance);
-        ck_assert_double_eq_tol(ratio, wanted, 1e-9 * (1 + fabs(wanted)));
-    }
-    gsl_integration_workspace_free(w);
-    sg_arena_free(arena);
-}
-END_TEST
-
-START_TEST(sizes_outside_the_simplex_are_refused)
-{
-    sg_error err = SG_ERROR_INIT;
-    sg_grammar *g = test_grammar("label a start A rule A -> split x { a | a | a } sizes mean (0.3, 0.3, 0.4) sd (0.1, 0.1, 0.1)");
-    const sg_draw *d = &sg_grammar_rule(g, 0)->draws[0];
-    static const double bad[][3] = {{0, 0.5, 0.5}, {-0.1, 0.5, 0.6}, {0.5, 0.5, 0}, {0.5, 0.6, -0.1}, {NAN, 0.5, 0.5}};
-    for (int i = 0; i < 5; i++) {
-        double u[2], density;
-        ck_assert_int_eq(sg_draw_invert(g, d, NULL, 0, bad[i], u, &err), SG_ENUMERIC);
-        ck_ok(sg_draw_log_density(g, d, NULL, 0, bad[i], &density, &err));
-        ck_assert(isinf(density) && density < 0);
-    }
-    sg_grammar_free(g);
-}
-END_TEST
-
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
 int main(void)
@@ -470,11 +296,6 @@ int main(void)
     tcase_add_test(tc, discrete_probabilities_are_those_of_the_draws);
     tcase_add_loop_test(tc, impossible_parameters_are_errors, 0, 11);
     tcase_add_loop_test(tc, values_outside_the_support_have_density_zero, 0, COUNT(draws));
-    tcase_add_loop_test(tc, sizes_are_positive_and_sum_to_one, 0, 10);
-    tcase_add_loop_test(tc, density_of_sizes_is_the_jacobian, 0, 10);
-    tcase_add_test(tc, sizes_have_the_moments_of_the_model);
-    tcase_add_test(tc, two_sizes_are_a_truncated_normal);
-    tcase_add_test(tc, sizes_outside_the_simplex_are_refused);
     suite_add_tcase(suite, tc);
     return test_run(suite);
 }

@@ -6,6 +6,7 @@
 #include "scene/derivation_json.h"
 #include "scene/label_scene.h"
 #include "scene/label_svg.h"
+#include "scene/placer.h"
 #include "tests/failing_malloc.h"
 #include "tests/support.h"
 
@@ -222,8 +223,58 @@ START_TEST(the_lattice_is_the_raster)
 }
 END_TEST
 
+/* Boundaries of nested parts are in order and inside, whatever is rounded. */
+START_TEST(cuts_stay_inside_and_in_order)
+{
+    gsl_rng *rng = sg_random_create((uint64_t)_i + 1);
+    for (int k = 0; k < 100000; k++) {
+        const double a = 500 * gsl_rng_uniform(rng), b = k % 7 == 0 ? a : 500 * gsl_rng_uniform(rng);
+        const double s = gsl_rng_uniform(rng), t = k % 5 == 0 ? 1 - 1e-16 * k : s + (1 - s) * gsl_rng_uniform(rng);
+        const double at_s = sg_placer_cut(a, b, fmin(s, t)), at_t = sg_placer_cut(a, b, fmax(s, t));
+        ck_assert(fmin(a, b) <= fmin(at_s, at_t) && fmax(at_s, at_t) <= fmax(a, b));
+        ck_assert(a <= b ? at_s <= at_t : at_s >= at_t);
+        ck_assert(sg_placer_cut(a, b, 0) == a && sg_placer_cut(a, b, 1) == b && sg_placer_cut(a, b, 1 + 1e-9) == b);
+    }
+    gsl_rng_free(rng);
+}
+END_TEST
+
+/* What one size loses the next one gains: those behind them stay where they are, though the sum is rounded. */
+START_TEST(a_cut_that_moves_leaves_those_behind_it)
+{
+    enum { N = 20 };
+    gsl_rng *rng = sg_random_create((uint64_t)_i + 1);
+    size_t moved = 0, off = 0;
+    for (int k = 0; k < 5000; k++) {
+        double size[N], sum = 0, total = 0;
+        for (size_t j = 0; j < N; j++)
+            total += size[j] = gsl_rng_uniform(rng);
+        double before[N], other = 0;
+        for (size_t j = 0; j < N; j++)
+            before[j] = sg_placer_share(sum += size[j] /= total);
+        const double step = size[3] * gsl_rng_uniform(rng);
+        size[3] -= step;
+        size[4] += step;
+        sum = 0;
+        for (size_t j = 0; j < N; j++) {
+            const double now = sg_placer_share(sum += size[j]);
+            ck_assert_double_eq_tol(now, sum, 1e-12);
+            moved += j == 3 && now != before[j];
+            other += j != 3 && now != before[j];
+        }
+        off += other > 0;
+    }
+    ck_assert_uint_eq(moved, 5000);
+    ck_assert_uint_lt(off, 50);
+    gsl_rng_free(rng);
+}
+END_TEST
+
 START_TEST(pixel_centres_decide)
 {
+    for (size_t n = 1; n < 600; n++) /* in pixels, a boundary on a centre is one, whatever the extent */
+        for (size_t k = 0; k < n; k++)
+            ck_assert_uint_eq(sg_label_scene_pixel((double)k + 0.5, (double)n, n), k);
     ck_assert_uint_eq(sg_label_scene_pixel(0, 10, 10), 0);
     ck_assert_uint_eq(sg_label_scene_pixel(2.49, 10, 10), 2);
     ck_assert_uint_eq(sg_label_scene_pixel(2.5, 10, 10), 2); /* the centre of pixel 2 lies on the boundary: it is behind it */
@@ -515,6 +566,8 @@ int main(void)
     tcase_add_loop_test(tc, tied_siblings_look_the_same_everywhere, 0, 4);
     tcase_add_loop_test(tc, rectangles_tile_the_scope_and_agree_with_the_raster, 0, 30);
     tcase_add_loop_test(tc, the_lattice_is_the_raster, 0, 20);
+    tcase_add_loop_test(tc, cuts_stay_inside_and_in_order, 0, 2);
+    tcase_add_loop_test(tc, a_cut_that_moves_leaves_those_behind_it, 0, 2);
     tcase_add_test(tc, pixel_centres_decide);
     tcase_add_test(tc, what_is_no_label_scene_is_said);
     tcase_add_test(tc, too_many_places_are_refused);

@@ -34,11 +34,11 @@ static double mass_above(double a, double t)
     return 1 / gsl_sf_hazard(a) - (far > 0 ? far / gsl_sf_hazard(a + t) : 0);
 }
 
-/* t in [0, width] with M(a, t) = u M(a, width): Newton within a bracket. M is increasing and concave in t, so the
+/* t in [0, width] with M(a, t) = u M(a, width), which is total: Newton within a bracket. M is increasing and concave in t, so the
  * steps from the left never pass the root, and a few suffice. */
-static double tail_quantile(double a, double width, double u)
+static double tail_quantile(double a, double width, double total, double u)
 {
-    const double total = mass_above(a, width), target = u * total;
+    const double target = u * total;
     double low = 0, high = width;
     double t = a > 0 ? -log1p(-u * -expm1(-a * width)) / a : u * width;
     for (int i = 0; i < 60; i++) {
@@ -63,28 +63,77 @@ static double central_mass(double a, double b)
     return (erf(b * M_SQRT1_2) - erf(a * M_SQRT1_2)) / 2;
 }
 
-static double central_quantile(double a, double b, double u)
+/* Mass above x >= 0. What is not there beyond 8.3 is less than an ulp of a mass near 1. */
+static double above(double x)
 {
-    const double total = central_mass(a, b);
-    const double below = gsl_cdf_ugaussian_P(a) + u * total;
-    double z = below < 0.5 ? gsl_cdf_ugaussian_Pinv(below)
-                           : gsl_cdf_ugaussian_Qinv(gsl_cdf_ugaussian_Q(b) + (1 - u) * total);
-    /* In the middle the inverse above has an absolute error of an ulp of 1; one Newton step makes it relative. */
-    if (fabs(z) < 2)
-        z -= (central_mass(a, z) - u * total) * sqrt(2 * M_PI) * exp(z * z / 2);
+    return x < 8.3 ? erfc(x * M_SQRT1_2) / 2 : 0;
+}
+
+/* Intervals that hold less than this are measured by differences, not by what they lack. */
+#define NARROW 0.25
+
+double sg_truncated_mass(double a, double width)
+{
+    const double b = a + width;
+    if (a >= 0)
+        return mass_above(a, width);
+    if (b <= 0)
+        return mass_above(-b, width);
+    const double mass = 1 - above(-a) - above(b);
+    return mass < NARROW ? central_mass(a, b) : mass;
+}
+
+/* z in [a, b] around 0. */
+static double central_quantile(double a, double b, double mass, double u)
+{
+    const double below = above(-a) + u * mass;
+    double z = below < 0.5 ? gsl_cdf_ugaussian_Pinv(below) : gsl_cdf_ugaussian_Qinv(above(b) + (1 - u) * mass);
+    /* The inverse has an absolute error of an ulp of 1 in the middle; one Newton step makes it relative. */
+    if (mass < NARROW)
+        z -= (central_mass(a, z) - u * mass) * sqrt(2 * M_PI) * exp(z * z / 2);
     return fmin(fmax(z, a), b);
+}
+
+double sg_truncated_distance(double a, double width, double mass, double u)
+{
+    const double b = a + width;
+    if (a >= 0)
+        return tail_quantile(a, width, mass, u);
+    if (b <= 0)
+        return width - tail_quantile(-b, width, mass, 1 - u);
+    return central_quantile(a, b, mass, u) - a;
+}
+
+double sg_truncated_share(double a, double width, double mass, double t)
+{
+    const double b = a + width;
+    if (a >= 0)
+        return mass_above(a, t) / mass;
+    if (b <= 0)
+        return 1 - mass_above(-b, width - t) / mass;
+    return mass < NARROW ? central_mass(a, a + t) / mass : (gsl_cdf_ugaussian_P(a + t) - above(-a)) / mass;
+}
+
+double sg_truncated_exponent(double a, double width, double t)
+{
+    const double b = a + width, z = a + t;
+    if (a >= 0)
+        return -t * (a + t / 2);
+    if (b <= 0)
+        return (width - t) * (b - (width - t) / 2);
+    return -z * z / 2 - log(2 * M_PI) / 2;
 }
 
 double sg_truncated_quantile(double mean, double sd, double low, double high, double u)
 {
-    const double a = (low - mean) / sd, b = (high - mean) / sd, width = (high - low) / sd;
+    const double a = (low - mean) / sd, width = (high - low) / sd, mass = sg_truncated_mass(a, width);
     double x;
     if (a >= 0)
-        x = low + sd * tail_quantile(a, width, u);
-    else if (b <= 0)
-        x = high - sd * tail_quantile(-b, width, 1 - u);
+        x = low + sd * tail_quantile(a, width, mass, u);
+    else if (a + width <= 0)
+        x = high - sd * tail_quantile(-a - width, width, mass, 1 - u);
     else
-        x = mean + sd * central_quantile(a, b, u);
+        x = mean + sd * central_quantile(a, a + width, mass, u);
     return fmin(fmax(x, low), high);
 }
 
@@ -94,27 +143,14 @@ double sg_truncated_cdf(double mean, double sd, double low, double high, double 
         return 0;
     if (x >= high)
         return 1;
-    const double a = (low - mean) / sd, b = (high - mean) / sd, width = (high - low) / sd;
-    if (a >= 0)
-        return mass_above(a, (x - low) / sd) / mass_above(a, width);
-    if (b <= 0)
-        return 1 - mass_above(-b, (high - x) / sd) / mass_above(-b, width);
-    return central_mass(a, (x - mean) / sd) / central_mass(a, b);
+    const double a = (low - mean) / sd, width = (high - low) / sd;
+    return sg_truncated_share(a, width, sg_truncated_mass(a, width), (x - low) / sd);
 }
 
 double sg_truncated_log_density(double mean, double sd, double low, double high, double x)
 {
     if (!(x >= low && x <= high))
         return -INFINITY;
-    const double a = (low - mean) / sd, b = (high - mean) / sd, width = (high - low) / sd;
-    if (a >= 0) {
-        const double t = (x - low) / sd;
-        return -t * (a + t / 2) - log(mass_above(a, width)) - log(sd);
-    }
-    if (b <= 0) {
-        const double t = (high - x) / sd;
-        return -t * (t / 2 - b) - log(mass_above(-b, width)) - log(sd);
-    }
-    const double z = (x - mean) / sd;
-    return -z * z / 2 - log(2 * M_PI) / 2 - log(central_mass(a, b)) - log(sd);
+    const double a = (low - mean) / sd, width = (high - low) / sd;
+    return sg_truncated_exponent(a, width, (x - low) / sd) - log(sg_truncated_mass(a, width)) - log(sd);
 }

@@ -13,4 +13,15 @@ double sg_truncated_cdf(double mean, double sd, double low, double high, double 
 /** Log density at x; -INFINITY outside. */
 double sg_truncated_log_density(double mean, double sd, double low, double high, double x);
 
+/* The standard normal on [a, a + width], for those who do the same to many: points are distances t above a, and the mass is
+ * found once. Where a >= 0 or a + width <= 0, mass and density are relative to the density at the end that is nearer to 0. */
+
+double sg_truncated_mass(double a, double width);
+/** The distance with u of the mass below it. */
+double sg_truncated_distance(double a, double width, double mass, double u);
+/** The share of the mass below t. */
+double sg_truncated_share(double a, double width, double mass, double t);
+/** Log of the density at t, not divided by the mass. */
+double sg_truncated_exponent(double a, double width, double t);
+
 #endif

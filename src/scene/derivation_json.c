@@ -3,7 +3,7 @@
  * tree of its values would be written by recursion, and derivations may be deeper than a C stack. */
 #include "scene/derivation_json.h"
 
-#include "scene/placer_priv.h"
+#include "scene/placer.h"
 
 #include <jansson.h>
 

@@ -8,7 +8,8 @@
 
 size_t sg_label_scene_pixel(double c, double extent, size_t n)
 {
-    const double at = ceil(c / extent * (double)n - 0.5);
+    const double px = extent == (double)n ? c : c / extent * (double)n; /* a scene in pixels is not rounded again */
+    const double at = ceil(px - 0.5);
     return !(at > 0) ? 0 : at >= (double)n ? n : (size_t)at;
 }
 

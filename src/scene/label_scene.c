@@ -3,7 +3,7 @@
 #include "scene/label_scene.h"
 
 #include "core/array.h"
-#include "scene/placer_priv.h"
+#include "scene/placer.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* placer.c - cuts the scope of one body. Sizes as in CGA shape (Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural
  * modeling of buildings", 2006): absolute, relative to the scope, and floating shares of what these leave; drawn sizes
  * are shares of the same remainder, which is all of the scope when every part is drawn. */
-#include "scene/placer_priv.h"
+#include "scene/placer.h"
 
 #include "core/array.h"
 #include "scene/label_scene.h"
@@ -115,20 +115,12 @@ static sg_status place_successor(body *b, const sg_op *op, sg_rect rect)
     return add_place(b, rect, b->p->children[child], SG_NONE);
 }
 
-/* The piece of rect from share lo to share hi along the axis; the language's y runs up, the picture's down. The ends are
- * exact, and equal shares give equal boundaries. */
+/* The piece of rect from share lo to share hi along the axis; the language's y runs up, the picture's down. */
 static sg_rect piece(sg_rect r, sg_axis axis, double lo, double hi)
 {
-    if (axis == SG_AXIS_X) {
-        const double length = r.x1 - r.x0, left = r.x0, right = r.x1;
-        r.x0 = lo <= 0 ? left : lo >= 1 ? right : left + lo * length;
-        r.x1 = hi >= 1 ? right : hi <= 0 ? left : left + hi * length;
-    } else {
-        const double length = r.y1 - r.y0, top = r.y0, bottom = r.y1;
-        r.y1 = lo <= 0 ? bottom : lo >= 1 ? top : bottom - lo * length;
-        r.y0 = hi >= 1 ? top : hi <= 0 ? bottom : bottom - hi * length;
-    }
-    return r;
+    if (axis == SG_AXIS_X)
+        return (sg_rect){sg_placer_cut(r.x0, r.x1, lo), r.y0, sg_placer_cut(r.x0, r.x1, hi), r.y1};
+    return (sg_rect){r.x0, sg_placer_cut(r.y1, r.y0, hi), r.x1, sg_placer_cut(r.y1, r.y0, lo)};
 }
 
 /* Sums over the parts of a split, and what floating and drawn parts share. */
@@ -235,17 +227,18 @@ static sg_status place_split(body *b, size_t at, sg_rect rect, bool outermost)
     const size_t mark = b->p->nstarts;
     split_sums sums;
     SG_TRY(sum_parts(b, split, length, &sums));
-    double reached = 0;
+    double sum = 0, from = 0;
     size_t drawn = 0, part = at + 1;
     for (uint32_t k = 0; k < split->nparts; k++, part += b->r->ops[part].length) {
         const sg_op *op = b->r->ops + part;
         const double share = share_of(b, split, op, length, &sums, &drawn);
-        const double to = k + 1 == split->nparts ? 1 : fmin(reached + share, 1);
+        sum += share;
+        const double to = k + 1 == split->nparts ? 1 : sg_placer_share(sum);
         SG_TRY(note_start(b));
         if (outermost)
             SG_TRY(note_size(b, share));
-        SG_TRY(place_block(b, part + 1, part + op->length, piece(rect, split->axis, reached, to), false));
-        reached = to;
+        SG_TRY(place_block(b, part + 1, part + op->length, piece(rect, split->axis, from, to), false));
+        from = to;
     }
     if (split->axis == SG_AXIS_Y && split->nparts > 0)
         turn_parts(b->p, mark, outermost);
@@ -266,11 +259,12 @@ static sg_status place_repeat(body *b, size_t at, sg_rect rect, bool outermost)
     const bool nested = b->in_repeat;
     b->in_repeat = true;
     for (size_t t = 0; t < times; t++) {
-        const sg_rect r = piece(rect, op->axis, (double)t / (double)times, (double)(t + 1) / (double)times);
+        const double from = sg_placer_share((double)t / (double)times);
+        const double to = sg_placer_share((double)(t + 1) / (double)times);
         SG_TRY(note_start(b));
         if (outermost)
             SG_TRY(note_size(b, 1 / (double)times));
-        SG_TRY(place_block(b, at + 1, at + op->length, r, false));
+        SG_TRY(place_block(b, at + 1, at + op->length, piece(rect, op->axis, from, to), false));
     }
     b->in_repeat = nested;
     if (op->axis == SG_AXIS_Y)
@@ -321,15 +315,20 @@ static sg_status find_children(body *b)
 
 sg_status sg_placer_place(sg_placer *p, const sg_derivation *d, size_t node, sg_rect rect, sg_error *err)
 {
+    return sg_placer_place_frame(p, d, node, d->values + d->nodes[node].values, rect, err);
+}
+
+sg_status sg_placer_place_frame(sg_placer *p, const sg_derivation *d, size_t node, const double *frame, sg_rect rect,
+                                sg_error *err)
+{
     const sg_node *n = d->nodes + node;
-    body b = {.p = p, .d = d, .n = n, .node = node, .err = err};
+    body b = {.p = p, .d = d, .n = n, .node = node, .frame = frame, .err = err};
     p->nsizes = p->nstarts = 0;
     if (n->rule == SG_NONE)
         return fail(&b, "not derived yet");
     if (n->rule == SG_RULE_EMPTY)
         return fail(&b, "cut at the depth limit, where it has no completion");
     b.r = sg_grammar_rule(d->grammar, n->rule);
-    b.frame = d->values + n->values;
     b.nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
     SG_TRY(find_children(&b));
     return place_block(&b, 0, b.r->nops, rect, true);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* placer_priv.h - one body of a split grammar, placed in a rectangle. The scene and the JSON form of derivations use it. */
-#ifndef SG_SCENE_PLACER_PRIV_H
-#define SG_SCENE_PLACER_PRIV_H
+/* placer.h - one body of a split grammar, placed in a rectangle. The scene, the JSON form of derivations and scores of label
+ * scenes use it; scores place simple splits by themselves, through the same sg_placer_share() and sg_placer_cut(). */
+#ifndef SG_SCENE_PLACER_H
+#define SG_SCENE_PLACER_H
 
 #include "derivation/derivation.h"
 
@@ -31,12 +32,31 @@ typedef struct sg_placer {
     size_t nsizes, sizes_capacity;
 } sg_placer;
 
+/** Where a part of a split ends, as a share of the scope: the sum of the shares up to it, rounded to 2^-40. So a cut that
+ * moves between two parts leaves those behind it where they were, to the last bit, however their sum is rounded. */
+static inline double sg_placer_share(double sum)
+{
+    const double grid = 6144; /* doubles near it are 2^-40 apart */
+    return sum + grid - grid;
+}
+
+/** The coordinate of a share along a scope that runs from `from` (share 0) to `to`, in either direction: never outside, exact
+ *  at both ends, and equal shares give equal coordinates. */
+static inline double sg_placer_cut(double from, double to, double share)
+{
+    const double at = share >= 1 ? to : from + share * (to - from);
+    return from <= to ? (at < to ? at : to) : (at > to ? at : to);
+}
+
 void sg_placer_clear(sg_placer *p);
 void sg_placer_reset(sg_placer *p);
 
 /** Append what the body of `node` places in rect, in picture order: left to right, top to bottom.
  *  @return SG_OK, SG_ENUMERIC (as sg_label_scene_interpret()), SG_ENOMEM */
 sg_status sg_placer_place(sg_placer *p, const sg_derivation *d, size_t node, sg_rect rect, sg_error *err);
+/** The same with another frame (arguments and draw values) than the node's own. */
+sg_status sg_placer_place_frame(sg_placer *p, const sg_derivation *d, size_t node, const double *frame, sg_rect rect,
+                                sg_error *err);
 /** Turn items from `first` to the end around, so that the first one is on top of the stack. */
 void sg_placer_reverse(sg_placer *p, size_t first);
 /** Put a place of the owner's own in at `at`. @return SG_OK, SG_ENOMEM */

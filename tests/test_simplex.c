@@ -260,7 +260,7 @@ START_TEST(sizes_and_densities_are_those_of_the_definition)
             condition(s, k, j, value, &mean, &sd);
             const double density = sg_truncated_log_density(mean, sd, 0, rest, value[j]);
             ck_assert_double_eq_tol(value[j], sg_truncated_quantile(mean, sd, 0, rest, u[j]), 1e-11 * sd + 1e-13 * rest);
-            ck_assert_double_eq_tol(back[j], sg_truncated_cdf(mean, sd, 0, rest, value[j]), 1e-11);
+            ck_assert_double_eq_tol(sg_uniform_plain(back[j]), sg_truncated_cdf(mean, sd, 0, rest, value[j]), 1e-11);
             ck_assert_double_eq_tol(terms[j].exponent - log(terms[j].mass) - log(sd), density, 1e-10 * (1 + fabs(density)));
             rest -= value[j];
             log_density += density;
@@ -293,7 +293,7 @@ START_TEST(sizes_go_back_to_their_uniforms)
         for (size_t j = 0; j + 1 < k; j++) {
             /* A size is known to an ulp of what is left, and the uniform by the density there. */
             const double density = exp(terms[j].exponent) / terms[j].mass / rest;
-            ck_assert_double_eq_tol(back[j], j < first ? -1 : u[j], 1e-12 + (j < first ? 0 : 1e-15 * density));
+            ck_assert_double_eq_tol(j < first ? back[j] : sg_uniform_plain(back[j]), j < first ? -1 : u[j], 1e-12 + (j < first ? 0 : 1e-15 * density));
             rest -= value[j];
         }
     }
@@ -425,6 +425,77 @@ START_TEST(terms_stay_true_over_many_shifts)
 }
 END_TEST
 
+/* Sizes that the prior never makes, but data may ask for: uniforms tell them apart in both tails. */
+START_TEST(sizes_far_in_a_tail_come_back_from_their_uniforms)
+{
+    gsl_rng *rng = sg_random_create((uint64_t)_i + 70);
+    sg_arena *arena = sg_arena_create();
+    size_t far = 0, upper = 0, lost = 0;
+    for (int i = 0; i < 2000; i++) {
+        const size_t k = 2 + gsl_rng_uniform_int(rng, 8);
+        const sg_simplex *s = random_simplex(rng, arena, k, pow(10, -1 - 1.5 * gsl_rng_uniform(rng)));
+        double u[10], value[10], again[10], rest = 1;
+        for (size_t j = 0; j + 1 < k; j++) {
+            value[j] = rest * (0.01 + 0.98 * gsl_rng_uniform(rng)) / (double)(k - j) * 1.5;
+            rest -= value[j];
+        }
+        value[k - 1] = rest;
+        ck_assert(sg_simplex_invert(s, value, u));
+        bool representable = true;
+        for (size_t j = 0; j + 1 < k; j++) {
+            ck_assert(u[j] > -1 && u[j] < 1 && u[j] != 0);
+            representable &= fabs(u[j]) > 0x1p-1022;
+            far += fabs(u[j]) < 1e-30;
+            upper += u[j] < 0;
+        }
+        lost += !representable;
+        sg_simplex_transform(s, u, again);
+        for (size_t j = 0; j < k && representable; j++)
+            ck_assert_double_eq_tol(value[j], again[j], 1e-10);
+    }
+    ck_assert(far > 500 && upper > 500 && lost < 1800);
+    gsl_rng_free(rng);
+    sg_arena_free(arena);
+}
+END_TEST
+
+/* Each tail's share grows by the density: relatively, however little it is. */
+START_TEST(shares_are_relatively_exact_in_both_tails)
+{
+    gsl_rng *rng = sg_random_create((uint64_t)_i + 90);
+    for (int i = 0; i < 5000; i++) {
+        const double a = 60 * (gsl_rng_uniform(rng) - 0.6), width = 40 * gsl_rng_uniform_pos(rng);
+        const double t = width * (0.01 + 0.98 * gsl_rng_uniform(rng)), h = 1e-5 * fmin(t, width - t);
+        const double mass = sg_truncated_mass(a, width);
+        const double density = exp(sg_truncated_exponent(a, width, t)) / mass;
+        const double below = sg_truncated_share(a, width, mass, t), above = sg_truncated_share_above(a, width, mass, t);
+        ck_assert_double_eq_tol(below + above, 1, 1e-13);
+        const bool low = below < above;
+        const double least = low ? below : above;
+        if (least < 1e-290)
+            continue;
+        if (a > 0 || a + width < 0 || least > 1e-12) /* around 0 what is beyond 8.3 is left out on purpose */
+            continue;
+        double (*share)(double, double, double, double) = low ? sg_truncated_share : sg_truncated_share_above;
+        const double slope = (share(a, width, mass, t + h) - share(a, width, mass, t - h)) / (2 * h);
+        const double z = a + t, truth = (low ? 1 : -1) * density;
+        ck_assert_msg(fabs(slope / truth - 1) < 1e-4 + 1e-9 * z * z + 1e-15 / h, "a %g width %g t %g: %g and %g", a, width, t,
+                      slope, truth);
+    }
+    for (int i = 0; i < 5000; i++) {
+        const double a = 60 * (gsl_rng_uniform(rng) - 0.6), width = 20 * gsl_rng_uniform_pos(rng);
+        const double mass = sg_truncated_mass(a, width), t = width * gsl_rng_uniform_pos(rng);
+        const double below = sg_truncated_share(a, width, mass, t), above = sg_truncated_share_above(a, width, mass, t);
+        if (fmin(below, above) < 1e-290)
+            continue;
+        const double back = below < 0.5 ? sg_truncated_distance(a, width, mass, below)
+                                        : sg_truncated_distance_above(a, width, mass, above);
+        ck_assert_msg(fabs(back - t) < 1e-9 * (1 + t), "a %g width %g t %.17g back %.17g", a, width, t, back);
+    }
+    gsl_rng_free(rng);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("simplex");
@@ -440,6 +511,8 @@ int main(void)
     tcase_add_loop_test(tc, a_draw_goes_on_from_any_size, 0, 4);
     tcase_add_loop_test(tc, shifts_change_the_density_as_from_scratch, 0, 10);
     tcase_add_loop_test(tc, terms_stay_true_over_many_shifts, 0, NKINDS);
+    tcase_add_loop_test(tc, sizes_far_in_a_tail_come_back_from_their_uniforms, 0, 3);
+    tcase_add_loop_test(tc, shares_are_relatively_exact_in_both_tails, 0, 3);
     suite_add_tcase(suite, tc);
     return test_run(suite);
 }

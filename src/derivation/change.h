@@ -20,4 +20,7 @@ typedef struct {
 /** Make the change in d, which is change->current. @return SG_OK, SG_EINVAL, SG_ENOMEM; on failure d is as it was */
 sg_status sg_derivation_apply(sg_derivation *d, const sg_change *change, sg_error *err);
 
+/** Take the memory that the change needs: sg_derivation_apply() then cannot fail for want of it. @return SG_OK, SG_ENOMEM */
+sg_status sg_derivation_make_room(sg_derivation *d, const sg_change *change, sg_error *err);
+
 #endif

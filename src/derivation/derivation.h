@@ -94,7 +94,7 @@ sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_
 sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err);
 
 /** Recompute draw values from uniforms, and arguments from values, down the subtree of `node`, after uniforms were changed.
- *  @return SG_OK, SG_ENUMERIC (also when a repeat now asks for another number of children: then the subtree must be
+ *  @return SG_OK, SG_ENUMERIC (also when a repeat now asks for other children: then the subtree must be
  *          derived anew), SG_ENOMEM; on failure the values below the node are worth nothing until a refresh succeeds */
 sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err);
 

@@ -74,7 +74,7 @@ static sg_status check_draws(const sg_derivation *d, size_t node, const sg_rule 
     const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
     const double *stored = d->values + n->values;
     for (uint32_t i = 0; i < r->nuniforms; i++)
-        if (!(d->uniforms[n->uniforms + i] > 0 && d->uniforms[n->uniforms + i] < 1))
+        if (!(sg_uniform_plain(d->uniforms[n->uniforms + i]) > 0 && d->uniforms[n->uniforms + i] < 1))
             return check_fail(err, node, "a uniform is not in (0,1)");
     for (uint32_t i = 0; i < nparams; i++)
         frame[i] = stored[i];

@@ -21,7 +21,7 @@ static sg_status conditional_probability(const sg_grammar *g, sg_sym symbol, con
     return st;
 }
 
-static sg_status rule_probability(const sg_derivation *d, const sg_node *n, double *p, sg_error *err)
+sg_status sg_node_probability(const sg_derivation *d, const sg_node *n, double *p, sg_error *err)
 {
     const sg_symbol *s = sg_grammar_symbol(d->grammar, n->symbol);
     const bool ordinary = n->rule >= s->first_rule && n->rule - s->first_rule < s->nrules;
@@ -46,7 +46,7 @@ sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_
         if (d->nodes[i].rule == SG_NONE)
             continue;
         double p;
-        const sg_status st = rule_probability(d, d->nodes + i, &p, err);
+        const sg_status st = sg_node_probability(d, d->nodes + i, &p, err);
         if (st != SG_OK)
             return sg_derivation_fail_at(d, i, st, err);
         if (p != 1)
@@ -56,37 +56,75 @@ sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_
     return SG_OK;
 }
 
+sg_status sg_node_log_density(const sg_derivation *d, const sg_node *n, double *log_density, sg_error *err)
+{
+    const sg_rule *r = sg_node_rule(d, n);
+    *log_density = 0;
+    if (r == NULL || r->ndraws == 0)
+        return SG_OK;
+    const double *frame = d->values + n->values;
+    const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
+    for (uint32_t k = 0; k < r->ndraws; k++) {
+        double log_phi;
+        SG_TRY(sg_draw_log_density(d->grammar, r->draws + k, frame, n->depth, frame + nparams + r->draws[k].first_value,
+                                   &log_phi, err));
+        *log_density += log_phi;
+    }
+    return SG_OK;
+}
+
 sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err)
 {
     double sum = 0;
     for (size_t i = 0; i < d->nnodes; i++) {
-        const sg_node *n = d->nodes + i;
-        const sg_rule *r = sg_node_rule(d, n);
-        if (r == NULL || r->ndraws == 0)
-            continue;
-        const double *frame = d->values + n->values;
-        const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
-        for (uint32_t k = 0; k < r->ndraws; k++) {
-            double log_phi;
-            const sg_status st = sg_draw_log_density(d->grammar, r->draws + k, frame, n->depth,
-                                                     frame + nparams + r->draws[k].first_value, &log_phi, err);
-            if (st != SG_OK)
-                return sg_derivation_fail_at(d, i, st, err);
-            sum += log_phi;
-        }
+        double log_phi;
+        const sg_status st = sg_node_log_density(d, d->nodes + i, &log_phi, err);
+        if (st != SG_OK)
+            return sg_derivation_fail_at(d, i, st, err);
+        sum += log_phi;
     }
     *log_density = sum;
     return SG_OK;
 }
 
-/* Stored children of a node. */
-static size_t count_children(const sg_derivation *d, size_t node)
+/* The children of a body without repeats are those of its rule. */
+static void hand_down_plain(sg_derivation *d, size_t node, const sg_rule *r)
 {
-    size_t n = 0;
-    const size_t end = node + d->nodes[node].length;
-    for (size_t child = node + 1; child < end; child += d->nodes[child].length)
-        n++;
-    return n;
+    const sg_node *n = d->nodes + node;
+    size_t child = node + 1;
+    for (uint32_t i = 0; i < r->nchildren; i++) {
+        const sg_op *op = r->ops + r->child_ops[i];
+        if (op->nargs > 0)
+            sg_derivation_eval_args(d->grammar, op, d->values + n->values, n->depth, d->values + d->nodes[child].values);
+        child += d->nodes[child].length;
+    }
+}
+
+sg_status sg_derivation_hand_down(sg_derivation *d, size_t node, const sg_rule *r, bool *fits, sg_error *err)
+{
+    *fits = true;
+    if (!r->has_repeat) {
+        hand_down_plain(d, node, r);
+        return SG_OK;
+    }
+    const sg_node *n = d->nodes + node;
+    d->pending.n = 0;
+    sg_status st = sg_derivation_list_children(d->grammar, r, d->values + n->values, n->depth, (uint32_t)node,
+                                               n->length, &d->pending, err);
+    *fits = st != SG_EINVAL; /* more children than there are nodes */
+    const size_t end = node + n->length, nchildren = d->pending.n;
+    size_t child = node + 1;
+    for (size_t i = 0; st == SG_OK && *fits && i < nchildren; i++) {
+        const sg_op *op = r->ops + d->pending.items[i].op;
+        *fits = child < end && d->nodes[child].symbol == op->symbol;
+        if (!*fits)
+            break;
+        sg_derivation_eval_args(d->grammar, op, d->values + n->values, n->depth, d->values + d->nodes[child].values);
+        child += d->nodes[child].length;
+    }
+    *fits = *fits && child == end;
+    d->pending.n = 0;
+    return st == SG_EINVAL ? SG_OK : st;
 }
 
 /* Draw values of one node, then the arguments of its children. */
@@ -96,22 +134,12 @@ static sg_status refresh_node(sg_derivation *d, size_t node, sg_error *err)
     const sg_rule *r = sg_node_rule(d, n);
     if (r == NULL)
         return SG_OK;
-    double *frame = d->values + n->values;
     const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
-    SG_TRY(sg_derivation_transform(d->grammar, r, nparams, n->depth, d->uniforms + n->uniforms, frame, err));
-    d->pending.n = 0;
-    SG_TRY(sg_derivation_list_children(d->grammar, r, frame, n->depth, (uint32_t)node, SG_DERIVATION_MAX_ITEMS,
-                                       &d->pending, err));
-    if (r->has_repeat && d->pending.n != count_children(d, node))
-        return SG_FAIL(err, SG_ENUMERIC, "a repeat asks for %zu children now, and for %zu before", d->pending.n,
-                       count_children(d, node));
-    size_t child = node + 1;
-    for (size_t i = 0; i < d->pending.n; i++) {
-        sg_derivation_eval_args(d->grammar, r->ops + d->pending.items[i].op, frame, n->depth,
-                                d->values + d->nodes[child].values);
-        child += d->nodes[child].length;
-    }
-    return SG_OK;
+    SG_TRY(sg_derivation_transform(d->grammar, r, nparams, n->depth, d->uniforms + n->uniforms, d->values + n->values,
+                                   err));
+    bool fits;
+    SG_TRY(sg_derivation_hand_down(d, node, r, &fits, err));
+    return fits ? SG_OK : SG_FAIL(err, SG_ENUMERIC, "a repeat asks for other children now than before");
 }
 
 sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err)
@@ -119,7 +147,6 @@ sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err)
     const size_t end = node + d->nodes[node].length;
     for (size_t i = node; i < end; i++) {
         const sg_status st = refresh_node(d, i, err);
-        d->pending.n = 0;
         if (st != SG_OK)
             return sg_derivation_fail_at(d, i, st, err);
     }

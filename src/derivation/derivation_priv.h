@@ -45,6 +45,16 @@ void sg_derivation_eval_args(const sg_grammar *g, const sg_op *op, const double 
 sg_status sg_derivation_transform(const sg_grammar *g, const sg_rule *r, uint32_t nparams, double depth,
                                   const double *uniforms, double *frame, sg_error *err);
 
+/** Evaluate the arguments of the children of `node`, which uses r, over its frame.
+ *  @param fits  out: false when a repeat now asks for other children than there are; then some arguments are the new ones
+ *  @return SG_OK, SG_ENUMERIC (a repeat count), SG_ENOMEM */
+sg_status sg_derivation_hand_down(sg_derivation *d, size_t node, const sg_rule *r, bool *fits, sg_error *err);
+
+/** Probability of the rule of a node that is not open, 0 when it cannot stand there. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_node_probability(const sg_derivation *d, const sg_node *n, double *p, sg_error *err);
+/** Log density of the draws of a node. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_node_log_density(const sg_derivation *d, const sg_node *n, double *log_density, sg_error *err);
+
 /** Put the path of symbols from the root to node in front of the sentence; returns code. */
 sg_status sg_derivation_fail_at(const sg_derivation *d, size_t node, sg_status code, sg_error *err);
 

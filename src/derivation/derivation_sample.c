@@ -3,7 +3,9 @@
  * Pending children stand on a stack of their own, so depth is bounded by memory and not by the C stack. The order of
  * draws is part of what a seed means: pre-order, and in each node first the rule (when there is a choice), then its
  * uniforms. */
+#include "core/array.h"
 #include "core/random.h"
+#include "derivation/derivation_move.h"
 #include "derivation/derivation_priv.h"
 
 #include <stdlib.h>
@@ -66,8 +68,17 @@ static sg_status choose_rule(const sg_grammar *g, sg_sym symbol, const double *a
     return SG_OK;
 }
 
+void sg_uniforms_take(sg_uniforms *from, double *u, size_t n)
+{
+    size_t i = 0;
+    while (i < n && from->next < from->nkept)
+        u[i++] = from->kept[from->next++];
+    while (i < n)
+        u[i++] = sg_random_uniform(from->rng);
+}
+
 /* Give the last node of d its rule, uniforms and draw values. */
-static sg_status derive_last(sg_derivation *d, size_t node, sg_rule_id rule, gsl_rng *rng, sg_error *err)
+static sg_status derive_last(sg_derivation *d, size_t node, sg_rule_id rule, sg_uniforms *from, sg_error *err)
 {
     d->nodes[node].rule = rule;
     if (rule == SG_RULE_EMPTY)
@@ -77,8 +88,7 @@ static sg_status derive_last(sg_derivation *d, size_t node, sg_rule_id rule, gsl
         return SG_OK;
     SG_TRY(sg_derivation_room(d, 0, r->nuniforms, r->nvalues, err));
     double *u = d->uniforms + d->nodes[node].uniforms, *frame = d->values + d->nodes[node].values;
-    for (uint32_t i = 0; i < r->nuniforms; i++)
-        u[i] = sg_random_uniform(rng);
+    sg_uniforms_take(from, u, r->nuniforms);
     const uint32_t nparams = sg_grammar_symbol(d->grammar, r->lhs)->nparams;
     SG_TRY(sg_derivation_transform(d->grammar, r, nparams, d->nodes[node].depth, u, frame, err));
     d->nuniforms += r->nuniforms;
@@ -107,24 +117,42 @@ static void reverse(sg_child_op *items, size_t n)
     }
 }
 
-/* Derive the last node, and put its children on the stack, the first one on top. */
-static sg_status derive_node(sg_derivation *d, size_t node, gsl_rng *rng, size_t max_nodes, sg_error *err)
+/* Put the children of a body without repeats on the stack, the first one on top. */
+static sg_status push_children(sg_derivation *d, const sg_rule *r, size_t node, size_t limit, sg_error *err)
+{
+    sg_child_list *list = &d->pending;
+    if (r->nchildren > limit || list->n > limit - r->nchildren)
+        return SG_EINVAL;
+    if (list->n + r->nchildren > list->capacity && !SG_GROW(list->items, list->capacity, list->n + r->nchildren))
+        return SG_FAIL_NOMEM(err);
+    for (uint32_t i = r->nchildren; i-- > 0;)
+        list->items[list->n++] = (sg_child_op){(uint32_t)node, r->child_ops[i]};
+    return SG_OK;
+}
+
+static sg_status push_repeated(sg_derivation *d, const sg_rule *r, size_t node, size_t limit, sg_error *err)
+{
+    const sg_node *n = d->nodes + node;
+    const size_t before = d->pending.n;
+    SG_TRY(sg_derivation_list_children(d->grammar, r, d->values + n->values, n->depth, (uint32_t)node, limit,
+                                       &d->pending, err));
+    reverse(d->pending.items + before, d->pending.n - before);
+    return SG_OK;
+}
+
+/* Derive the last node, and put its children on the stack. @return also SG_EINVAL: more than max_nodes */
+static sg_status derive_node(sg_derivation *d, size_t node, gsl_rng *rng, sg_uniforms *from, size_t max_nodes,
+                             sg_error *err)
 {
     const sg_node n = d->nodes[node];
     sg_rule_id rule;
     SG_TRY(choose_rule(d->grammar, n.symbol, d->values + n.values, n.depth, rng, &rule, err));
-    SG_TRY(derive_last(d, node, rule, rng, err));
+    SG_TRY(derive_last(d, node, rule, from, err));
     if (rule == SG_RULE_EMPTY)
         return SG_OK;
-    const size_t before = d->pending.n;
-    const sg_status st =
-        sg_derivation_list_children(d->grammar, sg_grammar_rule(d->grammar, rule), d->values + n.values, n.depth,
-                                    (uint32_t)node, max_nodes - d->nnodes, &d->pending, err);
-    if (st == SG_EINVAL)
-        return SG_FAIL(err, SG_ENUMERIC, "more than %zu nodes", max_nodes);
-    SG_TRY(st);
-    reverse(d->pending.items + before, d->pending.n - before);
-    return SG_OK;
+    const sg_rule *r = sg_grammar_rule(d->grammar, rule);
+    const size_t limit = max_nodes - d->nnodes;
+    return r->has_repeat ? push_repeated(d, r, node, limit, err) : push_children(d, r, node, limit, err);
 }
 
 /* Lengths are sums over children: behind the tree's end first. */
@@ -134,10 +162,16 @@ static void sum_lengths(sg_derivation *d)
         d->nodes[i - d->nodes[i].parent].length += d->nodes[i].length;
 }
 
-static sg_status derive_all(sg_derivation *d, gsl_rng *rng, size_t max_nodes, sg_error *err)
+static sg_status derive_all(sg_derivation *d, gsl_rng *rng, sg_uniforms *from, size_t max_nodes, bool *fits,
+                            sg_error *err)
 {
+    *fits = true;
     for (size_t node = 0;; node++) {
-        const sg_status st = derive_node(d, node, rng, max_nodes, err);
+        const sg_status st = derive_node(d, node, rng, from, max_nodes, err);
+        if (st == SG_EINVAL) {
+            *fits = false;
+            return sg_derivation_fail_at(d, node, SG_FAIL(err, SG_ENUMERIC, "more than %zu nodes", max_nodes), err);
+        }
         if (st != SG_OK)
             return sg_derivation_fail_at(d, node, st, err);
         if (d->pending.n == 0)
@@ -146,22 +180,46 @@ static sg_status derive_all(sg_derivation *d, gsl_rng *rng, size_t max_nodes, sg
     }
 }
 
-sg_status sg_derivation_sample_subtree(sg_derivation *slice, sg_sym symbol, const double *args, uint32_t depth,
-                                       gsl_rng *rng, size_t max_nodes, sg_error *err)
+/* fits: false when it is the number of nodes that the call failed on. */
+static sg_status derive(sg_derivation *slice, sg_sym symbol, const double *args, uint32_t depth, gsl_rng *rng,
+                        sg_uniforms *from, size_t max_nodes, bool *fits, sg_error *err)
 {
     if (max_nodes > SG_DERIVATION_MAX_ITEMS)
         max_nodes = SG_DERIVATION_MAX_ITEMS;
     slice->pending.n = 0;
+    *fits = true;
     sg_status st = max_nodes > 0 ? sg_derivation_open(slice, symbol, args, depth, err)
                                  : SG_FAIL(err, SG_EINVAL, "a derivation has at least one node");
     if (st == SG_OK)
-        st = derive_all(slice, rng, max_nodes, err);
+        st = derive_all(slice, rng, from, max_nodes, fits, err);
     slice->pending.n = 0;
     if (st != SG_OK)
         slice->nnodes = slice->nuniforms = slice->nvalues = 0;
     else
         sum_lengths(slice);
     return st;
+}
+
+sg_status sg_derivation_sample_subtree(sg_derivation *slice, sg_sym symbol, const double *args, uint32_t depth,
+                                       gsl_rng *rng, size_t max_nodes, sg_error *err)
+{
+    sg_uniforms fresh = {NULL, 0, 0, rng};
+    bool fits;
+    return derive(slice, symbol, args, depth, rng, &fresh, max_nodes, &fits, err);
+}
+
+sg_status sg_derivation_regenerate(const sg_derivation *d, size_t node, sg_uniforms *from, size_t max_nodes,
+                                   sg_derivation *slice, bool *inside, sg_error *err)
+{
+    const sg_node *n = d->nodes + node;
+    const size_t others = d->nnodes - n->length;
+    slice->grammar = d->grammar;
+    *inside = others < max_nodes;
+    if (!*inside)
+        return SG_OK;
+    const sg_status st = derive(slice, n->symbol, d->values + n->values, n->depth, from->rng, from, max_nodes - others,
+                                inside, err);
+    return *inside ? st : SG_OK;
 }
 
 sg_status sg_derivation_sample(sg_derivation *d, gsl_rng *rng, size_t max_nodes, sg_error *err)

@@ -418,7 +418,8 @@ static sg_status build_all(sg_builder *b)
     for (size_t i = 0; i < b->nhidden; i++)
         if (b->hidden[i].optional && sg_names_get(&b->symbol_names, b->symbols[b->hidden[i].symbol].name) == SG_NONE)
             SG_TRY(put(b, &b->symbol_names, b->symbols[b->hidden[i].symbol].name, b->hidden[i].symbol));
-    return sg_build_check(b);
+    SG_TRY(sg_build_check(b));
+    return sg_build_tables(b);
 }
 
 static size_t frame_size(const sg_builder *b)

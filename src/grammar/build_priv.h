@@ -97,4 +97,7 @@ sg_status sg_build_symbol(sg_builder *b, const sg_symbol *s, sg_pos at, sg_sym *
 /** Weights, reachability, productivity. */
 sg_status sg_build_check(sg_builder *b);
 
+/** What searches ask of each rule again and again: child_ops, draws_passed. */
+sg_status sg_build_tables(sg_builder *b);
+
 #endif

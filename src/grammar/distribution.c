@@ -140,20 +140,20 @@ sg_status sg_draw_transform(const sg_grammar *g, const sg_draw *d, const double 
     uint32_t i = 0;
     switch (d->kind) {
     case SG_DRAW_UNIFORM:
-        *value = a.v[0] + u[0] * (a.v[1] - a.v[0]);
+        *value = a.v[0] + sg_uniform_plain(u[0]) * (a.v[1] - a.v[0]);
         break;
     case SG_DRAW_NORMAL:
-        *value = a.v[0] + a.v[1] * gsl_cdf_ugaussian_Pinv(u[0]);
+        *value = a.v[0] + a.v[1] * gsl_cdf_ugaussian_Pinv(sg_uniform_plain(u[0]));
         break;
     case SG_DRAW_TRUNCATED_NORMAL:
-        *value = sg_truncated_quantile(a.v[0], a.v[1], a.v[2], a.v[3], u[0]);
+        *value = sg_truncated_quantile(a.v[0], a.v[1], a.v[2], a.v[3], sg_uniform_plain(u[0]));
         break;
     case SG_DRAW_MIXTURE:
-        i = pick(&a, 3, u[0]);
-        *value = a.v[i + 1] + a.v[i + 2] * gsl_cdf_ugaussian_Pinv(u[1]);
+        i = pick(&a, 3, sg_uniform_plain(u[0]));
+        *value = a.v[i + 1] + a.v[i + 2] * gsl_cdf_ugaussian_Pinv(sg_uniform_plain(u[1]));
         break;
     case SG_DRAW_DISCRETE:
-        *value = a.v[pick(&a, 2, u[0]) + 1];
+        *value = a.v[pick(&a, 2, sg_uniform_plain(u[0])) + 1];
         break;
     case SG_DRAW_SIMPLEX:
         break;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* distribution.h - the random draws of rules, each a map from uniforms in (0,1) to values.
  * In the space of uniforms every draw has density 1 (DESIGN 5.3), so samplers move uniforms and the map does the rest.
+ * A uniform near 1 may be written as its distance from 1 with a minus sign: -1e-40 is what 1 - 1e-40 cannot be. Sizes far up
+ * in a tail are told from each other that way; no draw is made of more than 1 - 2^-53 otherwise.
  *
  * The simplex draw is the sequential truncated normal of DESIGN 5.3: s_1 ~ TN on (0,1), s_j given s_1..s_{j-1} ~ TN on
  * (0, 1 - sum), with the conditional moments of N(mean, covariance); the last size is the remainder. k sizes take k-1
@@ -39,9 +41,15 @@ typedef struct {
 
 struct sg_grammar;
 
+/** A uniform as a number in (0,1), whichever way it is written. */
+static inline double sg_uniform_plain(double u)
+{
+    return u >= 0 ? u : 1 + u < 1 ? 1 + u : 1 - 0x1p-53;
+}
+
 /** Values of a draw from its uniforms, by inverse cumulative distribution functions.
  *  @param frame  parameters and earlier draw values
- *  @param u      [nuniforms] in (0,1)
+ *  @param u      [nuniforms] in (0,1), or (-1,0) as above
  *  @param value  out [nvalues]
  *  @return SG_OK, SG_ENUMERIC (impossible parameters: sd <= 0, low >= high, weights negative or all zero, NaN) */
 sg_status sg_draw_transform(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,

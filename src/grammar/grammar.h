@@ -89,6 +89,9 @@ typedef struct {
     const sg_op *ops;        /* [nops] */
     uint32_t nchildren;      /* stored children when no repeat is in the body, see sg_rule_child_count() */
     bool has_repeat;
+    const uint32_t *child_ops; /* [nchildren] the operation that places each stored child first; NULL with a repeat */
+    bool draws_passed;   /* an argument of a successor or a repeat count uses a draw: what stands below depends on it.
+                            Else draws are geometry only, and can be changed by themselves */
     size_t nattributes;      /* training attributes kept with a learned split */
     const double *attributes; /* [nattributes][nparts], relative sizes in body order */
     uint32_t line;

@@ -139,7 +139,8 @@ static double draw_size(const size_model *m, double rest, double u, sg_simplex_t
 {
     const double a = -t->centre, width = rest * m->rate;
     t->mass = sg_truncated_mass(a, width);
-    const double v = m->sd * sg_truncated_distance(a, width, t->mass, u);
+    const double v = m->sd * (u >= 0 ? sg_truncated_distance(a, width, t->mass, u)
+                                     : sg_truncated_distance_above(a, width, t->mass, -u));
     /* A size of nothing, or nothing left, would end the chain of conditionals: keep an ulp. */
     return fmin(fmax(v, 0x1p-60 * rest), rest * (1 - 0x1p-50));
 }
@@ -204,18 +205,39 @@ bool sg_simplex_terms(const sg_simplex *s, const double *value, sg_simplex_term 
     return true;
 }
 
-void sg_simplex_invert_from(const sg_simplex *s, size_t first, const double *value, const sg_simplex_term *terms,
-                            double *u)
+/* The mass below t, or with a minus sign what is above it where that is little. */
+static double uniform_of(double a, double width, double mass, double t)
+{
+    const double u = sg_truncated_share(a, width, mass, t);
+    if (u <= 1 - 1e-6)
+        return fmax(u, 0x1p-1022);
+    return -fmax(sg_truncated_share_above(a, width, mass, t), 0x1p-1022);
+}
+
+/* Uniforms first ... end-1. */
+static void invert_range(const sg_simplex *s, size_t first, size_t end, const double *value, const sg_simplex_term *terms,
+                         double *u)
 {
     double rest = rest_before(first, value);
-    for (size_t j = first; j + 1 < s->k; j++) {
+    for (size_t j = first; j < end; j++) {
         const size_model *m = s->sizes + j;
         const double centre = terms != NULL ? terms[j].centre : centre_of(s, j, value, rest);
         const double width = rest * m->rate, mass = terms != NULL ? terms[j].mass : sg_truncated_mass(-centre, width);
-        u[j] = sg_truncated_share(-centre, width, mass, value[j] * m->rate);
-        u[j] = fmin(fmax(u[j], 0x1p-60), 1 - 0x1p-53);
+        u[j] = uniform_of(-centre, width, mass, value[j] * m->rate);
         rest -= value[j];
     }
+}
+
+void sg_simplex_invert_from(const sg_simplex *s, size_t first, const double *value, const sg_simplex_term *terms,
+                            double *u)
+{
+    invert_range(s, first, s->k - 1, value, terms, u);
+}
+
+void sg_simplex_invert_shifted(const sg_simplex *s, size_t j, const double *value, const sg_simplex_term *terms, double *u)
+{
+    const size_t n = s->k - 1;
+    invert_range(s, j, s->pull == NULL && j + 2 < n ? j + 2 : n, value, terms, u);
 }
 
 bool sg_simplex_invert(const sg_simplex *s, const double *value, double *u)

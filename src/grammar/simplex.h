@@ -20,7 +20,7 @@ typedef struct {
 } sg_simplex_term;
 
 /** Uniforms to sizes, all of them > 0, that sum to 1.
- *  @param u      [k-1] in (0,1)
+ *  @param u      [k-1] in (0,1), or (-1,0) for what is near 1 (distribution.h)
  *  @param value  out [k] */
 void sg_simplex_transform(const sg_simplex *s, const double *u, double *value);
 /** The same from size `first` on: the ones before it stand in value already, with their terms.
@@ -34,6 +34,9 @@ bool sg_simplex_invert(const sg_simplex *s, const double *value, double *u);
  *  @param terms  [k-1] of these sizes, or NULL */
 void sg_simplex_invert_from(const sg_simplex *s, size_t first, const double *value, const sg_simplex_term *terms,
                             double *u);
+
+/** The same of sizes that were shifted at j (sg_simplex_shift()): the uniforms that this changes. */
+void sg_simplex_invert_shifted(const sg_simplex *s, size_t j, const double *value, const sg_simplex_term *terms, double *u);
 
 /** Terms of sizes: out [k-1]. @return false when the sizes are not inside the simplex */
 bool sg_simplex_terms(const sg_simplex *s, const double *value, sg_simplex_term *terms);

@@ -57,6 +57,28 @@ static double tail_quantile(double a, double width, double total, double u)
     return fmin(fmax(t, 0), width);
 }
 
+/* t in [0, width] with the share u of the mass above it, u small: Newton on the logarithm of the mass above, which is
+ * concave in t and has the slope -1 / M(a + t, width - t). */
+static double far_quantile(double a, double width, double total, double u)
+{
+    const double target = log(u * total);
+    double low = 0, high = width, t = width / 2;
+    for (int i = 0; i < 100; i++) {
+        const double mass = mass_above(a + t, width - t), excess = log(mass) - t * (a + t / 2) - target;
+        if (excess > 0)
+            low = t;
+        else
+            high = t;
+        const double step = excess * mass;
+        if (!(fabs(step) > 2e-16 * t) || !(high - low > 2e-16 * high))
+            break;
+        t += step;
+        if (!(t > low && t < high))
+            t = low + (high - low) / 2;
+    }
+    return fmin(fmax(t, 0), width);
+}
+
 /* Half of the erf difference: the normal mass of an interval around 0 without cancellation. */
 static double central_mass(double a, double b)
 {
@@ -100,8 +122,19 @@ double sg_truncated_distance(double a, double width, double mass, double u)
     if (a >= 0)
         return tail_quantile(a, width, mass, u);
     if (b <= 0)
-        return width - tail_quantile(-b, width, mass, 1 - u);
+        return width - (u < 0.01 ? far_quantile(-b, width, mass, u) : tail_quantile(-b, width, mass, 1 - u));
     return central_quantile(a, b, mass, u) - a;
+}
+
+double sg_truncated_distance_above(double a, double width, double mass, double u)
+{
+    return width - sg_truncated_distance(-a - width, width, mass, u);
+}
+
+/* Share of the mass above t, for a >= 0. */
+static double share_far(double a, double width, double mass, double t)
+{
+    return exp(-t * (a + t / 2)) * mass_above(a + t, width - t) / mass;
 }
 
 double sg_truncated_share(double a, double width, double mass, double t)
@@ -110,8 +143,13 @@ double sg_truncated_share(double a, double width, double mass, double t)
     if (a >= 0)
         return mass_above(a, t) / mass;
     if (b <= 0)
-        return 1 - mass_above(-b, width - t) / mass;
+        return share_far(-b, width, mass, width - t);
     return mass < NARROW ? central_mass(a, a + t) / mass : (gsl_cdf_ugaussian_P(a + t) - above(-a)) / mass;
+}
+
+double sg_truncated_share_above(double a, double width, double mass, double t)
+{
+    return sg_truncated_share(-a - width, width, mass, width - t);
 }
 
 double sg_truncated_exponent(double a, double width, double t)

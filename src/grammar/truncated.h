@@ -21,6 +21,9 @@ double sg_truncated_mass(double a, double width);
 double sg_truncated_distance(double a, double width, double mass, double u);
 /** The share of the mass below t. */
 double sg_truncated_share(double a, double width, double mass, double t);
+/** The same with the mass above: shares are relatively exact where they are small, so each tail has its function. */
+double sg_truncated_distance_above(double a, double width, double mass, double u);
+double sg_truncated_share_above(double a, double width, double mass, double t);
 /** Log of the density at t, not divided by the mass. */
 double sg_truncated_exponent(double a, double width, double t);
 

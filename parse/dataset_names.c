@@ -156,7 +156,7 @@ static sg_status read_list(sg_dataset_check *c, const char *path, list *l, sg_er
         return SG_FAIL(err, st, "%s", inner.msg);
     while (sg_lines_next(&l->lines))
         SG_TRY(take_line(l, err));
-    if (l->count == 0 && c->nfaults == 0)
+    if (l->count == 0 && c->nfaults == 0 && !c->opts->may_be_empty)
         sg_dataset_fault(c, "%s: no name in it is of the part that is asked for", path);
     return SG_OK;
 }

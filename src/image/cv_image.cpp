@@ -1,52 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* cv_image.cpp - OpenCV behind cv_image.h. Every function works under guarded(), which lets no exception out. */
+/* cv_image.cpp - OpenCV behind cv_image.h. Every function works under sg_cv_guarded(), which lets no exception
+ * out. */
 #include "config.h"
 
 #include "image/cv_image.h"
 
-#include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
+#include "image/cv_guard.hpp"
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <vector>
 
 namespace
 {
-
-/* Once a process: OpenCV says nothing by itself, and one operation runs in one thread. */
-void settle()
-{
-    static const bool done = [] {
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-        cv::setNumThreads(1);
-        return true;
-    }();
-    (void)done;
-}
-
-template <typename Work> sg_status guarded(sg_error *err, Work work) noexcept
-{
-    try {
-        settle();
-        return work();
-    } catch (const std::bad_alloc &) {
-        return SG_FAIL_NOMEM(err);
-    } catch (const cv::Exception &e) {
-        if (e.code == cv::Error::StsNoMem)
-            return SG_FAIL_NOMEM(err);
-        return SG_FAIL(err, SG_EINPUT, "OpenCV: %s", e.err.c_str());
-    } catch (const std::exception &e) {
-        return SG_FAIL(err, SG_EINPUT, "OpenCV: %s", e.what());
-    } catch (...) {
-        return SG_FAIL(err, SG_EINPUT, "OpenCV failed");
-    }
-}
 
 /* A view of our pixels: no copy. OpenCV's headers know no read-only data; who passes a const picture only reads. */
 cv::Mat view(const sg_image *im)
@@ -101,19 +71,19 @@ sg_status resize(const sg_image *im, sg_image *out)
 
 sg_status sg_cv_decode_jpeg(const uint8_t *bytes, size_t n, sg_image *out, sg_error *err)
 {
-    return guarded(err, [&] { return decode(bytes, n, out, err); });
+    return sg_cv_guarded(err, SG_EINPUT, [&] { return decode(bytes, n, out, err); });
 }
 
 sg_status sg_cv_encode_jpeg(const sg_image *im, int quality, uint8_t **bytes, size_t *n, sg_error *err)
 {
-    return guarded(err, [&] { return encode(im, quality, bytes, n, err); });
+    return sg_cv_guarded(err, SG_EINPUT, [&] { return encode(im, quality, bytes, n, err); });
 }
 
 sg_status sg_photo_resize(const sg_image *im, size_t width, size_t height, sg_image *out, sg_error *err)
 {
     sg_image to;
     SG_TRY(sg_image_create(width, height, &to, err));
-    const sg_status st = guarded(err, [&] { return resize(im, &to); });
+    const sg_status st = sg_cv_guarded(err, SG_EINPUT, [&] { return resize(im, &to); });
     if (st == SG_OK)
         *out = to;
     else

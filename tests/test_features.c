@@ -2,7 +2,7 @@
 /* test_features.c - features of photographs against direct readings of the photograph. */
 #include "config.h"
 
-#include "parse/features.h"
+#include "parse/features_channels_priv.h"
 #include "parse/features_priv.h"
 #include "tests/failing_malloc.h"
 #include "tests/support.h"
@@ -49,8 +49,10 @@ END_TEST
 
 START_TEST(unknown_sets_are_refused)
 {
-    sg_feature_set bad[] = {sg_feature_set_of(SG_FEATURES_PATCH, 13), sg_feature_set_of(SG_FEATURES_RICH, 0),
-                            sg_feature_set_of(SG_FEATURES_PATCH, 12), {(sg_feature_kind)7, 13, 1}};
+    sg_feature_set bad[] = {sg_feature_set_of(SG_FEATURES_PATCH, 13),
+                            sg_feature_set_of(SG_FEATURES_RICH, 0),
+                            sg_feature_set_of(SG_FEATURES_PATCH, 12),
+                            {(sg_feature_kind)7, 13, 1}};
     bad[0].version++;
     bad[1].version--;
     sg_image im = random_photo(5, 5, 1);
@@ -132,6 +134,253 @@ START_TEST(huge_photographs_are_refused)
 }
 END_TEST
 
+/* ---- rich: planes against sums over the photograph ---- */
+
+static sg_features rich_features(const sg_image *im)
+{
+    sg_error err = SG_ERROR_INIT;
+    const sg_feature_set set = sg_feature_set_of(SG_FEATURES_RICH, 0);
+    sg_features f;
+    ck_ok(sg_features_create(&set, im, &f, &err));
+    return f;
+}
+
+/* The feature of this name. */
+static size_t named(const char *name)
+{
+    const sg_feature_set set = sg_feature_set_of(SG_FEATURES_RICH, 0);
+    char text[80];
+    for (size_t f = 0; f < sg_feature_set_count(&set); f++) {
+        sg_feature_set_describe(&set, f, text, sizeof text);
+        if (strcmp(text, name) == 0)
+            return f;
+    }
+    ck_abort_msg("no feature is named %s", name);
+}
+
+/* Mean, or standard deviation, of a feature over a rectangle of pixels, of which those outside repeat the nearest one.
+ */
+static double over(const sg_features *f, size_t feature, const ptrdiff_t box[4], bool sd)
+{
+    double sum = 0, squares = 0, n = 0;
+    for (ptrdiff_t y = box[1]; y <= box[3]; y++)
+        for (ptrdiff_t x = box[0]; x <= box[2]; x++, n++) {
+            const double v = (double)sg_features_value(f, feature, clamped(x, f->width), clamped(y, f->height));
+            sum += v;
+            squares += v * v;
+        }
+    return sd ? sqrt(fmax(0, squares / n - sum / n * sum / n)) : sum / n;
+}
+
+typedef struct {
+    const char *name, *of; /* a feature and the one that it sums up */
+    bool sd;
+    ptrdiff_t left, above, right, below; /* of the rectangle, from the pixel; FULL: to the photograph's side */
+} sum_case;
+
+#define FULL 9999
+
+static const sum_case sums[] = {
+    {"L mean 7", "L", false, -3, -3, 3, 3},
+    {"a mean 7 at -7,+7", "a", false, -10, 4, -4, 10},
+    {"b mean 31 at +31,+0", "b", false, 16, -15, 46, 15},
+    {"L mean 61", "L", false, -30, -30, 30, 30},
+    {"L sd 15", "L", true, -7, -7, 7, 7},
+    {"b sd 31", "b", true, -15, -15, 15, 15},
+    {"L row mean 1", "L", false, -FULL, 0, FULL, 0},
+    {"L row mean 15", "L", false, -FULL, -7, FULL, 7},
+    {"L row sd 1", "L", true, -FULL, 0, FULL, 0},
+    {"a column mean 1", "a", false, 0, -FULL, 0, FULL},
+    {"L above 15", "L", false, -7, -FULL, 7, 0},
+    {"L below 15", "L", false, -7, 0, 7, FULL},
+};
+enum { NSUMS = sizeof sums / sizeof sums[0] };
+
+/* A side of a rectangle; whole rows, columns and strips end with the photograph and repeat nothing. */
+static ptrdiff_t side(size_t at, ptrdiff_t by, size_t n, bool cut)
+{
+    const ptrdiff_t to = (ptrdiff_t)at + by;
+    return by == FULL ? (ptrdiff_t)n - 1 : by == -FULL ? 0 : cut ? (ptrdiff_t)clamped(to, n) : to;
+}
+
+START_TEST(sums_are_those_of_the_photograph)
+{
+    const sum_case *c = &sums[_i % NSUMS];
+    sg_image im = random_photo(sizes[_i / NSUMS][0], sizes[_i / NSUMS][1], (uint64_t)_i);
+    sg_features f = rich_features(&im);
+    const size_t sum = named(c->name), of = named(c->of);
+    const bool cut = strstr(c->name, "row") != NULL || strstr(c->name, "column") != NULL;
+    for (size_t y = 0; y < f.height; y++)
+        for (size_t x = 0; x < f.width; x++) {
+            /* An offset is clamped before the box is laid, so it is taken out of the rectangle. */
+            const ptrdiff_t dx = (c->left + c->right) / 2, dy = (c->above + c->below) / 2;
+            const bool full = c->left == -FULL || c->above == -FULL || c->below == FULL;
+            const size_t cx = full ? x : clamped((ptrdiff_t)x + dx, f.width);
+            const size_t cy = full ? y : clamped((ptrdiff_t)y + dy, f.height);
+            const ptrdiff_t ox = full ? 0 : dx, oy = full ? 0 : dy;
+            const ptrdiff_t box[4] = {side(cx, c->left - ox, f.width, cut), side(cy, c->above - oy, f.height, cut),
+                                      side(cx, c->right - ox, f.width, cut), side(cy, c->below - oy, f.height, cut)};
+            ck_assert_double_eq_tol((double)sg_features_value(&f, sum, x, y), over(&f, of, box, c->sd),
+                                    c->sd ? 5e-2 : 2e-3); /* squares of up to 1e4 are summed in single precision */
+        }
+    sg_features_clear(&f);
+    sg_image_clear(&im);
+}
+END_TEST
+
+/* Every feature reads its plane, and outside the photograph the nearest pixel of it. */
+START_TEST(far_look_ups_are_clamped)
+{
+    const sg_feature_set set = sg_feature_set_of(SG_FEATURES_RICH, 0);
+    sg_image im = random_photo(sizes[_i][0], sizes[_i][1], 7);
+    sg_features f = rich_features(&im);
+    const size_t pad = sg_features_rich.pad(&set), plane = f.stride * (f.height + 2 * pad);
+    for (size_t k = 0; k < f.nfeatures; k++) {
+        const sg_feature_place at = sg_features_rich.place(&set, k);
+        const float *start = f.data + at.plane * plane + pad * f.stride + pad;
+        for (size_t y = 0; y < f.height; y++)
+            for (size_t x = 0; x < f.width; x++) {
+                const size_t row = clamped((ptrdiff_t)y + at.dy, f.height),
+                             column = clamped((ptrdiff_t)x + at.dx, f.width);
+                ck_assert_float_eq(sg_features_value(&f, k, x, y), start[row * f.stride + column]);
+            }
+    }
+    sg_features_clear(&f);
+    sg_image_clear(&im);
+}
+END_TEST
+
+/* Gradients are shared among the orientations, and every pixel has one pattern. */
+START_TEST(histograms_add_up)
+{
+    sg_image im = random_photo(sizes[_i][0], sizes[_i][1], 11);
+    sg_features f = rich_features(&im);
+    sg_error err = SG_ERROR_INIT;
+    float *memory = calloc(3 * f.width * f.height, sizeof *memory);
+    ck_assert_ptr_nonnull(memory);
+    sg_plane p[3];
+    for (size_t i = 0; i < 3; i++)
+        p[i] = (sg_plane){memory + i * f.width * f.height, f.width, f.height, f.width};
+    sg_channels c;
+    ck_ok(sg_channels_create(&im, &c, &err));
+    for (unsigned group = 0; group < 2; group++) {
+        const unsigned first = group == 0 ? SG_CHANNEL_ORIENTATION : SG_CHANNEL_PATTERN;
+        memset(p[0].at, 0, f.width * f.height * sizeof *memory);
+        for (unsigned k = 0; k < (group == 0 ? SG_ORIENTATIONS : SG_PATTERNS); k++) {
+            ck_ok(sg_channels_make(&c, first + k, p[1], &err));
+            for (size_t i = 0; i < f.width * f.height; i++) {
+                ck_assert_float_ge(p[1].at[i], 0);
+                p[0].at[i] += p[1].at[i];
+            }
+        }
+        ck_ok(sg_channels_make(&c, SG_CHANNEL_GRADIENT, p[2], &err));
+        for (size_t i = 0; i < f.width * f.height; i++)
+            ck_assert_float_eq_tol(p[0].at[i], group == 0 ? p[2].at[i] : 1, 1e-4f);
+    }
+    sg_channels_clear(&c);
+    free(memory);
+    sg_features_clear(&f);
+    sg_image_clear(&im);
+}
+END_TEST
+
+/* A photograph of one column of pixels, or one row, or one pixel, or one colour, has all features too. */
+START_TEST(all_features_are_finite)
+{
+    sg_image im = random_photo(sizes[_i % NSIZES][0], sizes[_i % NSIZES][1], 3);
+    if (_i >= NSIZES)
+        memset(im.rgb, 30 * (_i - NSIZES), 3 * im.width * im.height);
+    sg_features f = rich_features(&im);
+    for (size_t k = 0; k < f.nfeatures; k++)
+        for (size_t y = 0; y < f.height; y++)
+            for (size_t x = 0; x < f.width; x++)
+                ck_assert_float_finite(sg_features_value(&f, k, x, y));
+    sg_features_clear(&f);
+    sg_image_clear(&im);
+}
+END_TEST
+
+START_TEST(positions_are_where_the_pixel_is)
+{
+    sg_image im = random_photo(8, 20, 3);
+    sg_features f = rich_features(&im);
+    ck_assert_float_eq_tol(sg_features_value(&f, named("x/W"), 1, 0), 1.5f / 8, 1e-6f);
+    ck_assert_float_eq_tol(sg_features_value(&f, named("y/H"), 0, 19), 19.5f / 20, 1e-6f);
+    ck_assert_float_eq(sg_features_value(&f, named("px to side"), 1, 0), 1);
+    ck_assert_float_eq(sg_features_value(&f, named("px to side"), 5, 0), 2);
+    ck_assert_float_eq(sg_features_value(&f, named("px to top"), 5, 4), 4);
+    ck_assert_float_eq(sg_features_value(&f, named("px to bottom"), 5, 4), 15);
+    sg_features_clear(&f);
+    sg_image_clear(&im);
+}
+END_TEST
+
+START_TEST(colours_are_known_ones)
+{
+    sg_error err = SG_ERROR_INIT;
+    static const uint32_t rgb[] = {0xffffff, 0x000000, 0xff0000, 0x00ff00};
+    static const float lab[][3] = {{100, 0, 0}, {0, 0, 0}, {53.24f, 80.09f, 67.2f}, {87.73f, -86.18f, 83.18f}};
+    static const float hsv[][3] = {{0, 0, 1}, {0, 0, 0}, {0, 1, 1}, {120, 1, 1}};
+    sg_image im;
+    ck_ok(sg_image_create(4, 1, &im, &err));
+    for (size_t i = 0; i < 4; i++)
+        sg_image_set(&im, i, 0, rgb[i]);
+    sg_features f = rich_features(&im);
+    static const char *const names[6] = {"L", "a", "b", "hue", "saturation", "value"};
+    for (size_t i = 0; i < 4; i++)
+        for (size_t k = 0; k < 6; k++)
+            ck_assert_float_eq_tol(sg_features_value(&f, named(names[k]), i, 0), k < 3 ? lab[i][k] : hsv[i][k - 3],
+                                   0.1f);
+    sg_features_clear(&f);
+    sg_image_clear(&im);
+}
+END_TEST
+
+/* A ramp to the right: its slope is in the gradients along x and in the first orientation alone. */
+START_TEST(a_ramp_has_one_direction)
+{
+    float ramp[5][7], made[5][7];
+    sg_error err = SG_ERROR_INIT;
+    for (size_t y = 0; y < 5; y++)
+        for (size_t x = 0; x < 7; x++)
+            ramp[y][x] = 3 * (float)x;
+    const sg_plane from = {ramp[0], 7, 5, 7}, to = {made[0], 7, 5, 7};
+    ck_ok(sg_cv_derivative(from, to, 1, 0, &err));
+    ck_assert_float_eq_tol(made[2][3], 3, 1e-5f);
+    ck_ok(sg_cv_derivative(from, to, 0, 1, &err));
+    ck_assert_float_eq_tol(made[2][3], 0, 1e-5f);
+    ck_ok(sg_cv_laplacian(from, to, &err));
+    ck_assert_float_eq_tol(made[2][3], 0, 1e-5f);
+    ck_ok(sg_cv_gaussian(from, to, 0.8, &err));
+    ck_assert_float_eq_tol(made[2][3], 9, 1e-5f);
+}
+END_TEST
+
+START_TEST(patterns_are_told_apart)
+{
+    static const struct {
+        float around[3][3];
+        unsigned kind;
+    } cases[] = {
+        {{{0, 0, 0}, {0, 1, 0}, {0, 0, 0}}, 0}, /* a bright spot */
+        {{{1, 1, 1}, {1, 0, 1}, {1, 1, 1}}, 8}, /* a dark one */
+        {{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, 8}, /* nothing */
+        {{{1, 1, 1}, {1, 1, 1}, {0, 0, 0}}, 5}, /* the upper side of an edge */
+        {{{0, 1, 1}, {0, 1, 1}, {0, 1, 1}}, 5}, /* the right side of one */
+        {{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}}, 5}, /* and of a slanting one */
+        {{{0, 0, 0}, {0, 1, 1}, {0, 1, 1}}, 3}, /* a corner */
+        {{{0, 1, 0}, {0, 1, 0}, {0, 1, 0}}, 9}, /* a thin line */
+        {{{1, 0, 1}, {0, 1, 0}, {1, 0, 1}}, 9}, /* a checkerboard */
+    };
+    float around[3][3];
+    memcpy(around, cases[_i].around, sizeof around);
+    const sg_plane p = {around[0], 3, 3, 3};
+    ck_assert_uint_eq(sg_binary_pattern(p, 1, 1), cases[_i].kind);
+    const sg_plane alone = {around[0], 1, 1, 3}; /* its neighbours are itself */
+    ck_assert_uint_eq(sg_binary_pattern(alone, 0, 0), 8);
+}
+END_TEST
+
 /* ---- memory ---- */
 
 START_TEST(every_allocation_can_fail)
@@ -162,12 +411,21 @@ int main(void)
     tcase_add_test(sets, sets_are_counted);
     tcase_add_test(sets, unknown_sets_are_refused);
     tcase_add_loop_test(sets, features_have_names, 0, 2);
-    if (sg_features_rich.planes(NULL) > 7)
-        tcase_add_test(sets, huge_photographs_are_refused);
+    tcase_add_test(sets, huge_photographs_are_refused);
     suite_add_tcase(suite, sets);
     TCase *patch = tcase_create("patch");
     tcase_add_loop_test(patch, patch_reads_the_photograph, 0, 3 * NSIZES);
     suite_add_tcase(suite, patch);
+    TCase *rich = tcase_create("rich");
+    tcase_add_loop_test(rich, sums_are_those_of_the_photograph, 0, NSUMS * NSIZES);
+    tcase_add_loop_test(rich, far_look_ups_are_clamped, 0, NSIZES);
+    tcase_add_loop_test(rich, histograms_add_up, 0, NSIZES);
+    tcase_add_loop_test(rich, all_features_are_finite, 0, 2 * NSIZES);
+    tcase_add_test(rich, positions_are_where_the_pixel_is);
+    tcase_add_test(rich, colours_are_known_ones);
+    tcase_add_test(rich, a_ramp_has_one_direction);
+    tcase_add_loop_test(rich, patterns_are_told_apart, 0, 9);
+    suite_add_tcase(suite, rich);
     TCase *memory = tcase_create("memory");
     tcase_add_loop_test(memory, every_allocation_can_fail, 0, 2);
     suite_add_tcase(suite, memory);

@@ -170,10 +170,20 @@ void sg_cv_forest_free(sg_cv_forest *f)
     delete f;
 }
 
+size_t sg_cv_forest_trees(const sg_cv_forest *f)
+{
+    return f->trees->getRoots().size();
+}
+
+size_t sg_cv_forest_features(const sg_cv_forest *f)
+{
+    return f->nfeatures;
+}
+
 sg_status sg_cv_forest_tree(const sg_cv_forest *f, size_t tree, sg_cv_node **nodes, size_t *nnodes, sg_error *err)
 {
-    if (tree >= f->trees->getRoots().size())
-        return SG_FAIL(err, SG_EINVAL, "tree %zu of %zu", tree, f->trees->getRoots().size());
+    if (tree >= sg_cv_forest_trees(f))
+        return SG_FAIL(err, SG_EINVAL, "tree %zu of %zu", tree, sg_cv_forest_trees(f));
     return sg_cv_guarded(err, SG_ENUMERIC, [&] { return copy_tree(f, tree, nodes, nnodes, err); });
 }
 

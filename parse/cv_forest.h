@@ -49,8 +49,10 @@ void sg_cv_samples_free(sg_cv_samples *s);
 sg_status sg_cv_forest_grow(const sg_cv_samples *s, const sg_cv_forest_opts *opts, uint64_t seed, sg_cv_forest **out,
                             sg_error *err);
 void sg_cv_forest_free(sg_cv_forest *f);
+size_t sg_cv_forest_trees(const sg_cv_forest *f);
+size_t sg_cv_forest_features(const sg_cv_forest *f);
 
-/** One tree: nodes from the root on, children after their parent, by number in the array. nodes is malloc'd here.
+/** One tree: its nodes level by level from the root on, the right child next to the left one. nodes is malloc'd here.
  *  @return SG_OK, SG_EINVAL (no such tree), SG_ENUMERIC (a node of a kind that is not known), SG_ENOMEM */
 sg_status sg_cv_forest_tree(const sg_cv_forest *f, size_t tree, sg_cv_node **nodes, size_t *nnodes, sg_error *err);
 

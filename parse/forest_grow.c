@@ -5,7 +5,6 @@
 #include "parse/forest_grow.h"
 
 #include "core/random.h"
-#include "parse/cv_forest.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -85,40 +84,76 @@ static void grow_trees(growth *g)
 }
 
 /* The shim hands out nodes level by level and children in pairs, as our tables want them. */
-static void copy_tree(const grown_tree *from, sg_forest *f, uint32_t first, uint32_t *leaf)
+static sg_status copy_tree(const grown_tree *from, sg_forest *f, uint32_t first, uint32_t *leaf, sg_error *err)
 {
     for (size_t i = 0; i < from->nnodes; i++) {
         const sg_cv_node *n = &from->nodes[i];
-        f->nodes[first + i] = n->feature < 0
-                                  ? (sg_forest_node){0, SG_FOREST_LEAF, (*leaf)++}
-                                  : (sg_forest_node){n->threshold, (uint32_t)n->feature, first + (uint32_t)n->left};
+        if (n->feature >= 0) {
+            f->nodes[first + i] = (sg_forest_node){n->threshold, (uint32_t)n->feature, first + (uint32_t)n->left};
+            continue;
+        }
+        if (n->label < 0 || (size_t)n->label >= f->nclasses)
+            return SG_FAIL(err, SG_EINVAL, "a leaf of class %d of %zu", (int)n->label, f->nclasses);
+        f->leaves[*leaf * f->nclasses + (size_t)n->label] = 1;
+        f->nodes[first + i] = (sg_forest_node){0, SG_FOREST_LEAF, (*leaf)++};
     }
+    return SG_OK;
 }
 
-static sg_status collect(const growth *g, const sg_sample_matrix *s, sg_forest *out, sg_error *err)
+static sg_status copy_trees(const grown_tree *trees, size_t n, sg_forest *f, sg_error *err)
 {
-    size_t ntrees = 0, nnodes = 0;
-    for (size_t t = 0; t < g->opts->trees; t++) {
-        ntrees += g->trees[t].nodes != NULL;
-        nnodes += g->trees[t].nnodes;
-    }
-    memset(out, 0, sizeof *out);
-    if (ntrees == 0)
-        return SG_OK;
-    /* every inner node has two children: nnodes = 2 leaves - 1 in each tree */
-    SG_TRY(sg_forest_create(s->nfeatures, s->nclasses, ntrees, nnodes, (nnodes + ntrees) / 2, out, err));
     uint32_t leaf = 0, first = 0;
-    size_t k = 0;
-    for (size_t t = 0; t < g->opts->trees; t++) {
-        if (g->trees[t].nodes == NULL)
+    for (size_t t = 0, k = 0; t < n; t++) {
+        if (trees[t].nodes == NULL)
             continue;
-        copy_tree(&g->trees[t], out, first, &leaf);
-        first += (uint32_t)g->trees[t].nnodes;
-        out->roots[++k] = first;
+        SG_TRY(copy_tree(&trees[t], f, first, &leaf, err));
+        first += (uint32_t)trees[t].nnodes;
+        f->roots[++k] = first;
     }
-    for (size_t i = 0; i < out->nleaves * out->nclasses; i++)
-        out->leaves[i] = 1 / (float)out->nclasses;
     return SG_OK;
+}
+
+/* The trees that are there; a zeroed forest when none is. */
+static sg_status collect(const grown_tree *trees, size_t n, size_t nfeatures, size_t nclasses, sg_forest *out,
+                         sg_error *err)
+{
+    sg_forest f = {0};
+    size_t ntrees = 0, nnodes = 0;
+    for (size_t t = 0; t < n; t++) {
+        ntrees += trees[t].nodes != NULL;
+        nnodes += trees[t].nnodes;
+    }
+    if (ntrees > 0) {
+        /* every inner node has two children: nnodes = 2 leaves - 1 in each tree */
+        SG_TRY(sg_forest_create(nfeatures, nclasses, ntrees, nnodes, (nnodes + ntrees) / 2, &f, err));
+        const sg_status st = copy_trees(trees, n, &f, err);
+        if (st != SG_OK) {
+            sg_forest_clear(&f);
+            return st;
+        }
+    }
+    *out = f;
+    return SG_OK;
+}
+
+static void free_trees(grown_tree *trees, size_t n)
+{
+    for (size_t t = 0; trees != NULL && t < n; t++)
+        free(trees[t].nodes);
+    free(trees);
+}
+
+sg_status sg_forest_from_cv(const sg_cv_forest *from, size_t nclasses, sg_forest *out, sg_error *err)
+{
+    const size_t n = sg_cv_forest_trees(from);
+    grown_tree *trees = calloc(n, sizeof *trees);
+    sg_status st = trees != NULL ? SG_OK : SG_FAIL_NOMEM(err);
+    for (size_t t = 0; st == SG_OK && t < n; t++)
+        st = sg_cv_forest_tree(from, t, &trees[t].nodes, &trees[t].nnodes, err);
+    if (st == SG_OK)
+        st = collect(trees, n, sg_cv_forest_features(from), nclasses, out, err);
+    free_trees(trees, n);
+    return st;
 }
 
 static sg_status grow_and_collect(const sg_sample_matrix *s, growth *g, sg_forest *out, sg_error *err)
@@ -129,7 +164,7 @@ static sg_status grow_and_collect(const sg_sample_matrix *s, growth *g, sg_fores
             *err = g->error;
         return g->status;
     }
-    SG_TRY(collect(g, s, out, err));
+    SG_TRY(collect(g->trees, g->opts->trees, s->nfeatures, s->nclasses, out, err));
     return g->stopped ? SG_FAIL(err, SG_STOPPED, "stopped") : SG_OK;
 }
 
@@ -141,9 +176,7 @@ sg_status sg_forest_grow(const sg_sample_matrix *s, const sg_forest_grow_opts *o
     SG_TRY(sg_cv_samples_create(s->x, s->n, s->nfeatures, s->classes, &samples, err));
     growth g = {.samples = samples, .opts = opts, .trees = calloc(opts->trees, sizeof *g.trees), .status = SG_OK};
     const sg_status st = g.trees != NULL ? grow_and_collect(s, &g, out, err) : SG_FAIL_NOMEM(err);
-    for (size_t t = 0; g.trees != NULL && t < opts->trees; t++)
-        free(g.trees[t].nodes);
-    free(g.trees);
+    free_trees(g.trees, opts->trees);
     sg_cv_samples_free(samples);
     return st;
 }

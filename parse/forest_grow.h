@@ -4,6 +4,7 @@
 #define SG_PARSE_FOREST_GROW_H
 
 #include "core/progress.h"
+#include "parse/cv_forest.h"
 #include "parse/forest.h"
 
 /** Samples with their classes. Free both arrays. */
@@ -26,10 +27,14 @@ typedef struct {
 #define SG_FOREST_GROW_OPTS_INIT {20, 20, 5, 0, 1, 1, NULL}
 
 /** Grow the trees (OpenCV's: parse/cv_forest.h), one after the other in each thread. Tree t is a function of samples,
- *  options and (seed, t). The leaves' distributions are all equal at first: sg_forest_fill().
+ *  options and (seed, t). Each leaf gives its class the probability 1 at first, as OpenCV has it: sg_forest_fill().
  *  @param out  made here, also on SG_STOPPED, then with the trees that are done; zeroed when there is none
  *  @return SG_OK, SG_EINVAL (options out of range), SG_ENUMERIC, SG_ENOMEM, SG_STOPPED */
 sg_status sg_forest_grow(const sg_sample_matrix *s, const sg_forest_grow_opts *opts, sg_forest *out, sg_error *err);
+
+/** The table of a whole forest of OpenCV's: the mean of its leaves is the share of votes.
+ *  @return SG_OK, SG_EINVAL (a label is no class), SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_forest_from_cv(const sg_cv_forest *from, size_t nclasses, sg_forest *out, sg_error *err);
 
 /** Send n pixels of known classes down all trees and count where they end. Threads may count into one table.
  *  @param leaves  scratch [n]

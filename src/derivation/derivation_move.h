@@ -73,4 +73,8 @@ bool sg_rule_has_sizes(const sg_rule *r);
 void sg_node_shift(const sg_derivation *d, size_t node, double sd, gsl_rng *rng, sg_node_draws *out, double *d_log_density,
                    bool *inside);
 
+/** Log density of draws that were made for this node. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_node_draws_log_density(const sg_derivation *d, size_t node, const sg_node_draws *draws, double *log_density,
+                                    sg_error *err);
+
 #endif

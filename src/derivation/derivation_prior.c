@@ -56,21 +56,26 @@ sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_
     return SG_OK;
 }
 
+sg_status sg_frame_log_density(const sg_grammar *g, const sg_rule *r, uint32_t nparams, double depth, const double *frame,
+                               double *log_density, sg_error *err)
+{
+    *log_density = 0;
+    for (uint32_t k = 0; k < r->ndraws; k++) {
+        double log_phi;
+        SG_TRY(sg_draw_log_density(g, r->draws + k, frame, depth, frame + nparams + r->draws[k].first_value, &log_phi, err));
+        *log_density += log_phi;
+    }
+    return SG_OK;
+}
+
 sg_status sg_node_log_density(const sg_derivation *d, const sg_node *n, double *log_density, sg_error *err)
 {
     const sg_rule *r = sg_node_rule(d, n);
     *log_density = 0;
     if (r == NULL || r->ndraws == 0)
         return SG_OK;
-    const double *frame = d->values + n->values;
     const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
-    for (uint32_t k = 0; k < r->ndraws; k++) {
-        double log_phi;
-        SG_TRY(sg_draw_log_density(d->grammar, r->draws + k, frame, n->depth, frame + nparams + r->draws[k].first_value,
-                                   &log_phi, err));
-        *log_density += log_phi;
-    }
-    return SG_OK;
+    return sg_frame_log_density(d->grammar, r, nparams, n->depth, d->values + n->values, log_density, err);
 }
 
 sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err)

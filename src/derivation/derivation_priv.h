@@ -52,6 +52,9 @@ sg_status sg_derivation_hand_down(sg_derivation *d, size_t node, const sg_rule *
 
 /** Probability of the rule of a node that is not open, 0 when it cannot stand there. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_node_probability(const sg_derivation *d, const sg_node *n, double *p, sg_error *err);
+/** Log density of the draws in a frame of rule r. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_frame_log_density(const sg_grammar *g, const sg_rule *r, uint32_t nparams, double depth, const double *frame,
+                               double *log_density, sg_error *err);
 /** Log density of the draws of a node. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_node_log_density(const sg_derivation *d, const sg_node *n, double *log_density, sg_error *err);
 

@@ -123,3 +123,10 @@ void sg_node_shift(const sg_derivation *d, size_t node, double sd, gsl_rng *rng,
     size[at + 1] -= step;
     sg_simplex_invert_shifted(draw->simplex, at, size, NULL, out->uniforms + draw->first_uniform);
 }
+
+sg_status sg_node_draws_log_density(const sg_derivation *d, size_t node, const sg_node_draws *draws, double *log_density,
+                                    sg_error *err)
+{
+    const drawing w = drawing_at(d, node);
+    return sg_frame_log_density(d->grammar, w.r, w.nparams, w.n->depth, draws->frame, log_density, err);
+}

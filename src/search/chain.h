@@ -32,6 +32,7 @@ typedef struct {
     double d_log_rules;    /* log of the ratio of rule probabilities where they do not cancel */
     double d_log_select;   /* log q_new(v) - log q_old(v); 0 for diffusions */
     double d_log_propose;  /* log of reverse over forward proposal density in the space of uniforms; 0 where symmetric */
+    double d_log_anneal;   /* what annealing adds: 0 unless the sharpness is other than 1 */
     double log_accept;     /* of the first stage, at most 0 */
     bool second_stage;     /* a second stage was tried, with */
     double log_accept2;
@@ -82,13 +83,17 @@ sg_status sg_chain_start(sg_chain *c, const sg_derivation *d, size_t tries, sg_e
 sg_status sg_chain_step(sg_chain *c, uint64_t iteration, sg_move *move, sg_error *err);
 
 /** Exchange the derivations (and scores) of two chains of one target with probability min(1, exp((beta_a - beta_b)
- *  (log_b - log_a))); the streams and inverse temperatures stay. @param u  a uniform. @return true: exchanged */
+ *  (log_b - log_a))), or what it is with annealing; the streams and inverse temperatures stay. Neither is exchanged when
+ *  memory for what one of them leaves as its best is out. @param u  a uniform. @return true: exchanged */
 bool sg_chain_swap(sg_chain *a, sg_chain *b, double u);
 
 const sg_derivation *sg_chain_derivation(const sg_chain *c);
 const sg_posterior *sg_chain_posterior(const sg_chain *c);
 double sg_chain_beta(const sg_chain *c);
 void sg_chain_set_beta(sg_chain *c, double beta);
+/** Annealing: the target becomes (prior * density * exp(beta * log score))^sharpness as a density of values, so that with
+ *  beta 1 and growing sharpness the chain comes to what is reported as best. 1, where a chain begins: the posterior. */
+void sg_chain_set_sharpness(sg_chain *c, double sharpness);
 /** Best derivation that this chain has been at since it began, and its posterior; kept without a copy at each improvement
  *  where that can be avoided. */
 const sg_derivation *sg_chain_best(const sg_chain *c, sg_posterior *p);

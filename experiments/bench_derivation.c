@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench_derivation.c - how fast derivations are sampled, and what a splice saves against a copy of the whole.
  * One thread, processor time; prints figures, judges nothing. Usage: bench_derivation [SECONDS-A-LINE] */
+#include "bench_sizes.h"
 #include "core/random.h"
 #include "derivation/derivation.h"
 #include "scene/label_scene.h"
@@ -11,6 +12,10 @@
 #include <time.h>
 
 static const char plain[] = "label t\nstart S\nrule S -> 0.2 : split x { S | S } -> 0.19 : split y { S | S | S } -> 0.61 : t\n";
+static const char normal[] = "label t\nstart S\n"
+                             "rule S -> 0.2 : z ~ normal(0, 1) split x { S | S }\n"
+                             "       -> 0.19 : z ~ normal(0, 1) split y { S | S | S }\n"
+                             "       -> 0.61 : z ~ normal(0, 1) t\n";
 static const char sized[] = "label t\nstart S\n"
                             "rule S -> 0.2 : split x { S | S } sizes mean (0.5, 0.5) sd (0.1, 0.1)\n"
                             "       -> 0.19 : split y { S | S | S } sizes mean (0.3, 0.4, 0.3) sd (0.1, 0.1, 0.1)\n"
@@ -120,26 +125,28 @@ int main(int argc, char **argv)
     const double seconds = argc > 1 ? atof(argv[1]) : 1;
     const struct {
         const char *name, *text;
-    } cases[] = {{"three rules", plain}, {"three rules, drawn sizes", sized}};
+    } cases[] = {{"three rules", plain}, {"three rules, a normal each", normal}, {"three rules, drawn sizes", sized}};
     sg_error err = SG_ERROR_INIT;
     gsl_rng *rng = sg_random_create(1);
-    for (size_t k = 0; k < 2 && rng != NULL; k++) {
+    for (size_t k = 0; k < 3 && rng != NULL; k++) {
         sg_grammar *g = NULL;
         sg_derivation d, slice;
         stop(sg_grammar_parse(cases[k].text, strlen(cases[k].text), "bench", &g, &err), &err);
         sg_derivation_init(&d, g);
         sg_derivation_init(&slice, g);
         time_sampling(cases[k].name, &d, rng, seconds);
-        for (size_t n = 100; n <= 10000; n *= 10) {
+        for (size_t n = 100; k != 1 && n <= 10000; n *= 10) {
             grow(&d, &slice, rng, n);
             time_splices(&d, &slice, rng, seconds, true);
             time_splices(&d, &slice, rng, seconds, false);
         }
-        time_scenes(&d, rng, seconds);
+        if (k != 1)
+            time_scenes(&d, rng, seconds);
         sg_derivation_clear(&d);
         sg_derivation_clear(&slice);
         sg_grammar_free(g);
     }
     gsl_rng_free(rng);
+    bench_sizes(seconds / 4);
     return rng != NULL ? 0 : 4;
 }

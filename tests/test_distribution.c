@@ -2,12 +2,56 @@
 /* test_distribution.c - draws as maps from uniforms: inverses, densities as Jacobians, tails. Sizes: test_simplex.c. */
 #include "grammar/distribution.h"
 
+#include "grammar/normal.h"
 #include "grammar/truncated.h"
 #include "tests/grammar_support.h"
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_randist.h>
+
+/* ---- the standard normal ---- */
+
+START_TEST(tails_of_the_normal_are_those_of_the_library)
+{
+    for (double x = 0; x < 40; x += 1e-3) {
+        const double want = gsl_cdf_ugaussian_Q(x);
+        ck_assert_msg(fabs(sg_normal_above(x) - want) <= (x < 2 ? 3e-16 : 6e-17), "above %g: %.17g, not %.17g", x, sg_normal_above(x), want);
+    }
+    ck_assert_double_eq(sg_normal_above(INFINITY), 0);
+}
+END_TEST
+
+/* Masses from almost nothing to 1/2, and the same on the other side. */
+START_TEST(quantiles_of_the_normal_are_those_of_the_library)
+{
+    for (double tail = 0.5; tail > 1e-300; tail *= 0.99) {
+        const double want = gsl_cdf_ugaussian_Pinv(tail), got = sg_normal_quantile(tail, 1 - tail);
+        ck_assert_msg(fabs(got - want) <= 2e-15 * fabs(want) + 2e-16, "below %g: %.17g, not %.17g", tail, got, want);
+        ck_assert_double_eq_tol(sg_normal_quantile(1 - tail, tail), -got, 2e-15);
+        /* Rounding z moves the mass by z^2 ulps. */
+        const double back = gsl_cdf_ugaussian_P(got);
+        ck_assert_msg(fabs(back - tail) <= tail * 1e-15 * (1 + got * got), "below %g: back %.17g", tail, back);
+    }
+}
+END_TEST
+
+START_TEST(quantiles_of_the_normal_rise)
+{
+    gsl_rng *rng = sg_random_create((uint64_t)_i);
+    for (int i = 0; i < 100000; i++) {
+        const double p = sg_random_uniform(rng), q = p + 1e-3 * (1 - p) * sg_random_uniform(rng);
+        ck_assert_double_le(sg_normal_quantile(p, 1 - p), sg_normal_quantile(q, 1 - q) + 4e-16);
+    }
+    const double seams[] = {0.075, exp(-25)}; /* where one approximation ends and the other begins */
+    for (int i = 0; i < 2; i++) {
+        const double low = seams[i] * (1 - 1e-9), high = seams[i] * (1 + 1e-9);
+        ck_assert_double_lt(sg_normal_quantile(low, 1 - low), sg_normal_quantile(high, 1 - high));
+        ck_assert_double_gt(sg_normal_quantile(1 - low, low), sg_normal_quantile(1 - high, high));
+    }
+    gsl_rng_free(rng);
+}
+END_TEST
 
 /* Quantiles and log densities there, from 120-digit arithmetic. */
 static const struct {
@@ -289,6 +333,9 @@ int main(void)
     Suite *suite = suite_create("distribution");
     TCase *tc = tcase_create("distribution");
     tcase_set_timeout(tc, 120);
+    tcase_add_test(tc, tails_of_the_normal_are_those_of_the_library);
+    tcase_add_test(tc, quantiles_of_the_normal_are_those_of_the_library);
+    tcase_add_loop_test(tc, quantiles_of_the_normal_rise, 0, 2);
     tcase_add_loop_test(tc, truncated_normals_are_exact_in_their_tails, 0, COUNT(truncated));
     tcase_add_loop_test(tc, truncated_normals_hold_in_impossible_places, 0, 4);
     tcase_add_loop_test(tc, draws_go_back_to_their_uniforms, 0, COUNT(draws));

@@ -1,34 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* simplex.c - sizes of learned splits. Size j given those before it is a normal with mean
- *   mean_j + sum_{i<j} weight_ji (s_i - mean_i)   and standard deviation sd_j,
- * from the Cholesky factor of the covariance, truncated to (0, what is left). The last size is what is left.
- *
- * Everything is done in units of sd_j, so that the mean is centre_j + sum_{i<j} pull_ji s_i. Where the sizes are independent,
- * or independent given their sum (learned splits with one example, and all that are written with "sd"), row j of the pulls
- * is one number, and the sum is what is no longer left: no loop. */
+/* simplex.c - sizes of learned splits: conditional moments, uniforms to sizes and back, densities. */
 #include "config.h"
 
 #include "grammar/simplex_priv.h"
-#include "grammar/truncated.h"
 
 #include <lapacke.h>
-#include <math.h>
-#include <string.h>
-
-typedef struct {
-    double sd, rate; /* rate: 1 / sd */
-    double centre;   /* of the conditional mean when all sizes before are 0 */
-    double pull;     /* of each size before it, when they are all the same */
-} size_model;
-
-struct sg_simplex {
-    size_t k;
-    const double *mean;       /* [k] */
-    const double *covariance; /* [k-1][k-1] */
-    const size_model *sizes;  /* [k-1] */
-    const double *pull;       /* [k-1][k-1], strictly lower triangle; NULL: see size_model */
-    double log_sds;           /* sum */
-};
 
 /* From the lower factor L: sd_j = L_jj, and row j of the weights solves w L' = L_j over the first j columns. */
 static void condition(const double *factor, size_t n, double *weight, double *sd)
@@ -62,16 +38,22 @@ static bool even_rows(const double *weight, size_t n)
 }
 
 /* Weights become pulls, in units of sd. */
-static void scale(const double *mean, size_t n, const double *sd, double *weight, size_model *sizes)
+static void scale_row(const double *mean, size_t j, double *row, sg_size_model *m)
+{
+    for (size_t i = 0; i < j; i++) {
+        m->centre -= row[i] * mean[i] / m->sd;
+        row[i] /= m->sd;
+    }
+    m->pull = j > 0 ? row[0] : 0;
+    if (even_row(row, j) && m->pull == 0)
+        m->below = sg_truncated_below(-m->centre);
+}
+
+static void make_sizes(const double *mean, const double *sd, size_t n, double *weight, sg_size_model *sizes)
 {
     for (size_t j = 0; j < n; j++) {
-        size_model *m = sizes + j;
-        *m = (size_model){.sd = sd[j], .rate = 1 / sd[j], .centre = mean[j], .pull = j > 0 ? weight[j * n] / sd[j] : 0};
-        for (size_t i = 0; i < j; i++) {
-            m->centre -= weight[j * n + i] * mean[i];
-            weight[j * n + i] /= sd[j];
-        }
-        m->centre /= sd[j];
+        sizes[j] = (sg_size_model){.sd = sd[j], .rate = 1 / sd[j], .centre = mean[j] / sd[j], .below = -1};
+        scale_row(mean, j, weight + j * n, sizes + j);
     }
 }
 
@@ -91,7 +73,7 @@ sg_status sg_simplex_create(sg_arena *arena, size_t k, const double *mean, const
     double *factor = sg_arena_copy(arena, covariance, n * n * sizeof *factor);
     double *weight = SG_NEW_ARRAY(arena, double, n * n);
     double *sd = SG_NEW_ARRAY(arena, double, n);
-    size_model *sizes = SG_NEW_ARRAY(arena, size_model, n);
+    sg_size_model *sizes = SG_NEW_ARRAY(arena, sg_size_model, n);
     double *mean_copy = sg_arena_copy(arena, mean, k * sizeof *mean);
     double *covariance_copy = sg_arena_copy(arena, covariance, n * n * sizeof *covariance);
     if (s == NULL || factor == NULL || weight == NULL || sd == NULL || sizes == NULL || mean_copy == NULL ||
@@ -102,7 +84,7 @@ sg_status sg_simplex_create(sg_arena *arena, size_t k, const double *mean, const
         return SG_FAIL(err, SG_ENUMERIC, "the covariance of the sizes is not positive definite");
     condition(factor, n, weight, sd);
     const bool even = even_rows(weight, n);
-    scale(mean, n, sd, weight, sizes);
+    make_sizes(mean, sd, n, weight, sizes);
     *s = (sg_simplex){k, mean_copy, covariance_copy, sizes, even ? NULL : weight, sum_of_logs(sd, n)};
     *out = s;
     return SG_OK;
@@ -118,53 +100,27 @@ const double *sg_simplex_covariance(const sg_simplex *s)
     return s->covariance;
 }
 
-/* Conditional mean of size j in units of its sd; rest: 1 less the sizes before it. */
-static double centre_of(const sg_simplex *s, size_t j, const double *value, double rest)
+/* Draw a size; mass: out. */
+static double draw_size(const sg_size_model *m, double centre, double rest, double u, double *mass)
 {
-    const size_model *m = s->sizes + j;
-    if (s->pull == NULL)
-        return m->centre + m->pull * (1 - rest);
-    const double *pull = s->pull + j * (s->k - 1);
-    double even = m->centre, odd = 0;
-    size_t i = 0;
-    for (; i + 1 < j; i += 2) {
-        even += pull[i] * value[i];
-        odd += pull[i + 1] * value[i + 1];
-    }
-    return even + odd + (i < j ? pull[i] * value[i] : 0);
-}
-
-/* Draw size j; only the centre and the mass of the term are made. */
-static double draw_size(const size_model *m, double rest, double u, sg_simplex_term *t)
-{
-    const double a = -t->centre, width = rest * m->rate;
-    t->mass = sg_truncated_mass(a, width);
-    const double v = m->sd * (u >= 0 ? sg_truncated_distance(a, width, t->mass, u)
-                                     : sg_truncated_distance_above(a, width, t->mass, -u));
+    const double v = m->sd * sg_truncated_distance(-centre, rest * m->rate, sg_size_below(m, centre), u, mass);
     /* A size of nothing, or nothing left, would end the chain of conditionals: keep an ulp. */
-    return fmin(fmax(v, 0x1p-60 * rest), rest * (1 - 0x1p-50));
-}
-
-static double rest_before(size_t first, const double *value)
-{
-    double rest = 1;
-    for (size_t j = 0; j < first; j++)
-        rest -= value[j];
-    return rest;
+    const double least = 0x1p-60 * rest, most = rest * (1 - 0x1p-50);
+    return v > least && v < most ? v : v > least ? most : least;
 }
 
 void sg_simplex_transform_from(const sg_simplex *s, size_t first, const double *u, double *value,
                                sg_simplex_term *terms)
 {
-    double rest = rest_before(first, value);
+    double rest = sg_simplex_rest(first, value);
     for (size_t j = first; j + 1 < s->k; j++) {
-        const size_model *m = s->sizes + j;
-        sg_simplex_term t = {.centre = centre_of(s, j, value, rest)};
-        value[j] = draw_size(m, rest, u[j], &t);
-        if (terms != NULL) {
-            t.exponent = sg_truncated_exponent(-t.centre, rest * m->rate, value[j] * m->rate);
-            terms[j] = t;
-        }
+        const sg_size_model *m = s->sizes + j;
+        const double centre = sg_size_centre(s, j, value, rest);
+        double mass;
+        value[j] = draw_size(m, centre, rest, u[j], &mass);
+        if (terms != NULL)
+            terms[j] = (sg_simplex_term){
+                centre, sg_truncated_exponent(-centre, rest * m->rate, value[j] * m->rate), mass};
         rest -= value[j];
     }
     value[s->k - 1] = rest;
@@ -173,13 +129,6 @@ void sg_simplex_transform_from(const sg_simplex *s, size_t first, const double *
 void sg_simplex_transform(const sg_simplex *s, const double *u, double *value)
 {
     sg_simplex_transform_from(s, 0, u, value, NULL);
-}
-
-static sg_simplex_term term_of(const size_model *m, double centre, double value, double rest)
-{
-    const double width = rest * m->rate;
-    return (sg_simplex_term){centre, sg_truncated_exponent(-centre, width, value * m->rate),
-                             sg_truncated_mass(-centre, width)};
 }
 
 static bool inside(const sg_simplex *s, const double *value)
@@ -199,7 +148,7 @@ bool sg_simplex_terms(const sg_simplex *s, const double *value, sg_simplex_term 
     for (size_t j = 0; j + 1 < s->k; j++) {
         if (!(value[j] > 0 && value[j] < rest))
             return false;
-        terms[j] = term_of(s->sizes + j, centre_of(s, j, value, rest), value[j], rest);
+        terms[j] = sg_size_term(s->sizes + j, sg_size_centre(s, j, value, rest), value[j], rest);
         rest -= value[j];
     }
     return true;
@@ -218,11 +167,12 @@ static double uniform_of(double a, double width, double mass, double t)
 static void invert_range(const sg_simplex *s, size_t first, size_t end, const double *value, const sg_simplex_term *terms,
                          double *u)
 {
-    double rest = rest_before(first, value);
+    double rest = sg_simplex_rest(first, value);
     for (size_t j = first; j < end; j++) {
-        const size_model *m = s->sizes + j;
-        const double centre = terms != NULL ? terms[j].centre : centre_of(s, j, value, rest);
-        const double width = rest * m->rate, mass = terms != NULL ? terms[j].mass : sg_truncated_mass(-centre, width);
+        const sg_size_model *m = s->sizes + j;
+        const double centre = terms != NULL ? terms[j].centre : sg_size_centre(s, j, value, rest);
+        const double width = rest * m->rate;
+        const double mass = terms != NULL ? terms[j].mass : sg_truncated_mass(-centre, width, sg_size_below(m, centre));
         u[j] = uniform_of(-centre, width, mass, value[j] * m->rate);
         rest -= value[j];
     }
@@ -248,113 +198,28 @@ bool sg_simplex_invert(const sg_simplex *s, const double *value, double *u)
     return true;
 }
 
-/* A sum of logarithms as the logarithm of a product, as long as that is a number. */
-typedef struct {
-    double product, sum;
-} log_sum;
-
-static void multiply(log_sum *l, double x)
-{
-    l->product *= x;
-    if (l->product > 1e-100 && l->product < 1e100)
-        return;
-    l->sum += log(l->product);
-    l->product = 1;
-}
-
-static double total(const log_sum *l)
-{
-    return l->sum + log(l->product);
-}
-
 double sg_simplex_log_density(const sg_simplex *s, const double *value)
 {
     double rest = 1, sum = -s->log_sds;
-    log_sum masses = {1, 0};
+    sg_log_sum masses = {1, 0};
     for (size_t j = 0; j + 1 < s->k; j++) {
         if (!(value[j] > 0 && value[j] < rest))
             return -INFINITY;
-        const sg_simplex_term t = term_of(s->sizes + j, centre_of(s, j, value, rest), value[j], rest);
+        const sg_simplex_term t = sg_size_term(s->sizes + j, sg_size_centre(s, j, value, rest), value[j], rest);
         sum += t.exponent;
-        multiply(&masses, t.mass);
+        sg_log_multiply(&masses, t.mass);
         rest -= value[j];
     }
-    return sum - total(&masses);
+    return sum - sg_log_total(&masses);
 }
 
 double sg_simplex_log_density_of_terms(const sg_simplex *s, const sg_simplex_term *terms)
 {
     double sum = -s->log_sds;
-    log_sum masses = {1, 0};
+    sg_log_sum masses = {1, 0};
     for (size_t j = 0; j + 1 < s->k; j++) {
         sum += terms[j].exponent;
-        multiply(&masses, terms[j].mass);
+        sg_log_multiply(&masses, terms[j].mass);
     }
-    return sum - total(&masses);
-}
-
-/* What size i has to do with size j growing by e and size j+1 shrinking by it. */
-static double drift(const sg_simplex *s, size_t i, size_t j, double e)
-{
-    if (s->pull == NULL)
-        return i == j + 1 ? s->sizes[i].pull * e : 0;
-    const double *pull = s->pull + i * (s->k - 1) + j;
-    return i == j ? 0 : i == j + 1 ? pull[0] * e : (pull[0] - pull[1]) * e;
-}
-
-/* One shift, term by term. */
-typedef struct {
-    const sg_simplex *s;
-    const double *value;
-    const sg_simplex_term *terms;
-    size_t j;
-    double e;
-    sg_simplex_term *shifted;
-    double exponents; /* after less before */
-    log_sum masses;   /* before over after */
-} shift;
-
-/* rest: before size i, as it was. */
-static void shift_term(shift *f, size_t i, double rest)
-{
-    const size_model *m = f->s->sizes + i;
-    const double by = drift(f->s, i, f->j, f->e);
-    if (f->terms == NULL && i > f->j + 1 && by == 0)
-        return;
-    const sg_simplex_term before =
-        f->terms != NULL ? f->terms[i] : term_of(m, centre_of(f->s, i, f->value, rest), f->value[i], rest);
-    sg_simplex_term after = before;
-    const double centre = before.centre + by;
-    if (i == f->j)
-        after.exponent = sg_truncated_exponent(-centre, rest * m->rate, (f->value[i] + f->e) * m->rate);
-    else if (i == f->j + 1)
-        after = term_of(m, centre, f->value[i] - f->e, rest - f->e);
-    else if (by != 0)
-        after = term_of(m, centre, f->value[i], rest);
-    f->exponents += after.exponent - before.exponent;
-    if (after.mass != before.mass)
-        multiply(&f->masses, before.mass / after.mass);
-    if (f->shifted != NULL)
-        f->shifted[i] = after;
-}
-
-double sg_simplex_shift(const sg_simplex *s, const double *value, const sg_simplex_term *terms, size_t j, double e,
-                        sg_simplex_term *shifted)
-{
-    const size_t n = s->k - 1, end = s->pull == NULL && shifted == NULL && j + 2 < n ? j + 2 : n;
-    double rest = rest_before(j, value);
-    const double grown = value[j] + e;
-    if (!(grown > 0 && value[j + 1] - e > 0 && grown < rest && (j + 1 == n || value[j + 1] - e < rest - grown)))
-        return -INFINITY;
-    if (shifted != NULL && terms == NULL) {
-        if (!sg_simplex_terms(s, value, shifted))
-            return -INFINITY;
-        terms = shifted;
-    }
-    if (shifted != terms && shifted != NULL && j > 0)
-        memcpy(shifted, terms, j * sizeof *terms);
-    shift f = {s, value, terms, j, e, shifted, 0, {1, 0}};
-    for (size_t i = j; i < end; rest -= value[i++])
-        shift_term(&f, i, rest);
-    return f.exponents + total(&f.masses);
+    return sum - sg_log_total(&masses);
 }

@@ -2,12 +2,11 @@
 /* truncated.c - truncated normal through Mills ratios (GSL's hazard function) and erf. */
 #include "config.h"
 
+#include "grammar/normal.h"
 #include "grammar/truncated.h"
 
-#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sf_erf.h>
 #include <math.h>
-#include <stdbool.h>
 
 /* Gauss-Legendre with ten nodes on (0, t): exact to rounding where the exponent falls by less than one. */
 static double short_mass(double a, double t)
@@ -85,50 +84,34 @@ static double central_mass(double a, double b)
     return (erf(b * M_SQRT1_2) - erf(a * M_SQRT1_2)) / 2;
 }
 
-/* Mass above x >= 0. What is not there beyond 8.3 is less than an ulp of a mass near 1. */
-static double above(double x)
-{
-    return x < 8.3 ? erfc(x * M_SQRT1_2) / 2 : 0;
-}
-
-/* Intervals that hold less than this are measured by differences, not by what they lack. */
-#define NARROW 0.25
-
-double sg_truncated_mass(double a, double width)
+double sg_truncated_unusual_mass(double a, double width)
 {
     const double b = a + width;
-    if (a >= 0)
-        return mass_above(a, width);
-    if (b <= 0)
-        return mass_above(-b, width);
-    const double mass = 1 - above(-a) - above(b);
-    return mass < NARROW ? central_mass(a, b) : mass;
+    return a >= 0 ? mass_above(a, width) : b <= 0 ? mass_above(-b, width) : central_mass(a, b);
 }
 
-/* z in [a, b] around 0. */
-static double central_quantile(double a, double b, double mass, double u)
+/* z in [a, b], narrow around 0: the inverse has an absolute error of an ulp of 1; a Newton step makes it relative. */
+static double narrow_quantile(double a, double b, double u, double mass)
 {
-    const double below = above(-a) + u * mass;
-    double z = below < 0.5 ? gsl_cdf_ugaussian_Pinv(below) : gsl_cdf_ugaussian_Qinv(above(b) + (1 - u) * mass);
-    /* The inverse has an absolute error of an ulp of 1 in the middle; one Newton step makes it relative. */
-    if (mass < NARROW)
-        z -= (central_mass(a, z) - u * mass) * sqrt(2 * M_PI) * exp(z * z / 2);
-    return fmin(fmax(z, a), b);
+    const double below = sg_normal_above(-a) + u * mass, above = sg_normal_above(b) + (1 - u) * mass;
+    const double z = sg_normal_quantile(below, above);
+    return z - (central_mass(a, z) - u * mass) * sqrt(2 * M_PI) * exp(z * z / 2);
 }
 
-double sg_truncated_distance(double a, double width, double mass, double u)
+static double distance(double a, double width, double mass, double u)
 {
     const double b = a + width;
     if (a >= 0)
         return tail_quantile(a, width, mass, u);
     if (b <= 0)
         return width - (u < 0.01 ? far_quantile(-b, width, mass, u) : tail_quantile(-b, width, mass, 1 - u));
-    return central_quantile(a, b, mass, u) - a;
+    return narrow_quantile(a, b, u, mass) - a;
 }
 
-double sg_truncated_distance_above(double a, double width, double mass, double u)
+double sg_truncated_unusual_distance(double a, double width, double u, double *mass)
 {
-    return width - sg_truncated_distance(-a - width, width, mass, u);
+    *mass = sg_truncated_unusual_mass(a, width);
+    return u >= 0 ? distance(a, width, *mass, u) : width - distance(-a - width, width, *mass, -u);
 }
 
 /* Share of the mass above t, for a >= 0. */
@@ -137,14 +120,22 @@ static double share_far(double a, double width, double mass, double t)
     return exp(-t * (a + t / 2)) * mass_above(a + t, width - t) / mass;
 }
 
+/* The same to an ulp of itself, for a share may be all of it. */
+static double all_above(double x)
+{
+    return x < 1 ? sg_normal_above(x) : erfc(x * M_SQRT1_2) / 2;
+}
+
 double sg_truncated_share(double a, double width, double mass, double t)
 {
-    const double b = a + width;
+    const double b = a + width, z = a + t;
     if (a >= 0)
         return mass_above(a, t) / mass;
     if (b <= 0)
         return share_far(-b, width, mass, width - t);
-    return mass < NARROW ? central_mass(a, a + t) / mass : (gsl_cdf_ugaussian_P(a + t) - above(-a)) / mass;
+    if (mass < SG_TRUNCATED_NARROW)
+        return central_mass(a, z) / mass;
+    return z < 0 ? (all_above(-z) - sg_normal_above(-a)) / mass : 1 - (all_above(z) - sg_normal_above(b)) / mass;
 }
 
 double sg_truncated_share_above(double a, double width, double mass, double t)
@@ -152,26 +143,12 @@ double sg_truncated_share_above(double a, double width, double mass, double t)
     return sg_truncated_share(-a - width, width, mass, width - t);
 }
 
-double sg_truncated_exponent(double a, double width, double t)
-{
-    const double b = a + width, z = a + t;
-    if (a >= 0)
-        return -t * (a + t / 2);
-    if (b <= 0)
-        return (width - t) * (b - (width - t) / 2);
-    return -z * z / 2 - log(2 * M_PI) / 2;
-}
-
 double sg_truncated_quantile(double mean, double sd, double low, double high, double u)
 {
-    const double a = (low - mean) / sd, width = (high - low) / sd, mass = sg_truncated_mass(a, width);
-    double x;
-    if (a >= 0)
-        x = low + sd * tail_quantile(a, width, mass, u);
-    else if (a + width <= 0)
-        x = high - sd * tail_quantile(-a - width, width, mass, 1 - u);
-    else
-        x = mean + sd * central_quantile(a, a + width, mass, u);
+    const double a = (low - mean) / sd, width = (high - low) / sd;
+    double mass = 0;
+    const double t = sg_truncated_distance(a, width, sg_truncated_below(a), u, &mass);
+    const double x = t < width / 2 ? low + sd * t : high - sd * (width - t);
     return fmin(fmax(x, low), high);
 }
 
@@ -181,8 +158,8 @@ double sg_truncated_cdf(double mean, double sd, double low, double high, double 
         return 0;
     if (x >= high)
         return 1;
-    const double a = (low - mean) / sd, width = (high - low) / sd;
-    return sg_truncated_share(a, width, sg_truncated_mass(a, width), (x - low) / sd);
+    const double a = (low - mean) / sd, width = (high - low) / sd, below = sg_truncated_below(a);
+    return sg_truncated_share(a, width, sg_truncated_mass(a, width, below), (x - low) / sd);
 }
 
 double sg_truncated_log_density(double mean, double sd, double low, double high, double x)
@@ -190,5 +167,6 @@ double sg_truncated_log_density(double mean, double sd, double low, double high,
     if (!(x >= low && x <= high))
         return -INFINITY;
     const double a = (low - mean) / sd, width = (high - low) / sd;
-    return sg_truncated_exponent(a, width, (x - low) / sd) - log(sg_truncated_mass(a, width)) - log(sd);
+    const double mass = sg_truncated_mass(a, width, sg_truncated_below(a));
+    return sg_truncated_exponent(a, width, (x - low) / sd) - log(mass) - log(sd);
 }

@@ -11,25 +11,65 @@
 
 #define LEAST_VARIANCE (0.01 * 0.01)
 
-void sg_fit_sizes(const double *sizes, size_t m, size_t n, double *mean, double *covariance)
+static void mean_of(const double *sizes, size_t m, size_t n, double *mean)
 {
-    const size_t free_sizes = n - 1;
     memset(mean, 0, n * sizeof *mean);
     for (size_t k = 0; k < m; k++)
         for (size_t i = 0; i < n; i++)
             mean[i] += sizes[k * n + i] / (double)m;
+}
+
+/* Towards its own diagonal, which leaves that as it is. */
+static double shrink_to_diagonal(double s, double m, double nu0, bool diagonal)
+{
+    if (!diagonal)
+        return s * m / (m + nu0);
+    return s < LEAST_VARIANCE ? LEAST_VARIANCE : s;
+}
+
+void sg_fit_sizes(const double *sizes, size_t m, size_t n, double concentration, double *mean, double *covariance)
+{
+    const size_t free_sizes = n - 1;
+    mean_of(sizes, m, n, mean);
     const double nu0 = (double)n + 1;
     for (size_t i = 0; i < free_sizes; i++)
         for (size_t j = 0; j <= i; j++) {
             double s = 0;
             for (size_t k = 0; k < m; k++)
                 s += (sizes[k * n + i] - mean[i]) * (sizes[k * n + j] - mean[j]) / (double)m;
-            if (i != j)
-                s *= (double)m / ((double)m + nu0);
-            else if (s < LEAST_VARIANCE)
-                s = LEAST_VARIANCE;
+            if (concentration > 0)
+                s = ((double)m * s + nu0 * mean[i] * ((i == j) - mean[j]) / (concentration + 1)) / ((double)m + nu0);
+            else
+                s = shrink_to_diagonal(s, (double)m, nu0, i == j);
             covariance[i * free_sizes + j] = covariance[j * free_sizes + i] = s;
         }
+}
+
+/* The mean of a size in the uses of a rule. */
+static double mean_size(const sg_split_rule *r, uint32_t i)
+{
+    double sum = 0;
+    for (size_t k = 0; k < r->nattributes; k++)
+        sum += r->attributes[k * r->n + i];
+    return sum / (double)r->nattributes;
+}
+
+double sg_pooled_concentration(const sg_split_form *f, sg_split_op axis)
+{
+    double varied = 0, possible = 0;
+    for (size_t r = 0; r < f->nrules; r++) {
+        const sg_split_rule *rule = &f->rules[r];
+        const double m = (double)rule->nattributes;
+        if (rule->op != axis || rule->n < 2 || m < 2)
+            continue;
+        for (uint32_t i = 0; i < rule->n; i++) {
+            const double mean = mean_size(rule, i);
+            for (size_t k = 0; k < rule->nattributes; k++)
+                varied += m / (m - 1) * pow(rule->attributes[k * rule->n + i] - mean, 2);
+            possible += m * mean * (1 - mean);
+        }
+    }
+    return varied > 0 ? fmax(possible / varied - 1, 0) : 0;
 }
 
 /* invariant[X]: a region of X that is cut along the axis is two regions of X. Least fixed point, so no cycle counts. */
@@ -134,8 +174,13 @@ static sg_status take_rules(work *w, uint32_t x)
     return SG_OK;
 }
 
-static sg_status fit_all(sg_split_form *f, sg_split_rule *rules, sg_arena *arena)
+static sg_status fit_all(const sg_split_form *f, const sg_density_opts *densities, sg_split_rule *rules, sg_arena *arena)
 {
+    double concentration[2];
+    for (int axis = SG_SPLIT_X; axis <= SG_SPLIT_Y; axis++) {
+        const double c = densities->concentration[axis];
+        concentration[axis] = c == SG_CONCENTRATION_POOLED ? sg_pooled_concentration(f, (sg_split_op)axis) : c;
+    }
     for (size_t i = 0; i < f->nrules; i++) {
         sg_split_rule *r = &rules[i];
         if (r->op == SG_SPLIT_LEXICAL || r->nattributes == 0 || r->n < 2)
@@ -144,7 +189,7 @@ static sg_status fit_all(sg_split_form *f, sg_split_rule *rules, sg_arena *arena
         double *covariance = SG_NEW_ARRAY(arena, double, (size_t)(r->n - 1) * (r->n - 1));
         if (mean == NULL || covariance == NULL)
             return SG_ENOMEM;
-        sg_fit_sizes(r->attributes, r->nattributes, r->n, mean, covariance);
+        sg_fit_sizes(r->attributes, r->nattributes, r->n, concentration[r->op], mean, covariance);
         r->mean = mean;
         r->covariance = covariance;
     }
@@ -171,7 +216,8 @@ static sg_status begin(work *w, sg_error *err)
     return SG_OK;
 }
 
-sg_status sg_finish(const sg_split_form *merged, sg_arena *arena, sg_split_form *out, sg_error *err)
+sg_status sg_finish(const sg_split_form *merged, const sg_density_opts *densities, sg_arena *arena, sg_split_form *out,
+                    sg_error *err)
 {
     work w = {.form = merged, .arena = arena};
     SG_TRY(begin(&w, err));
@@ -188,7 +234,7 @@ sg_status sg_finish(const sg_split_form *merged, sg_arena *arena, sg_split_form 
     out->terminal_colors = merged->terminal_colors;
     out->tied = merged->tied;
     sg_split_rule *rules = sg_arena_copy(arena, out->rules, out->nrules * sizeof *rules);
-    if (rules == NULL || fit_all(out, rules, arena) != SG_OK)
+    if (rules == NULL || fit_all(out, densities, rules, arena) != SG_OK)
         return SG_FAIL_NOMEM(err);
     out->rules = rules;
     return SG_OK;

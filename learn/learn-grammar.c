@@ -52,6 +52,9 @@ static const char help[] =
     "What comes out\n"
     "  -o, --output FILE  the learned grammar; - is standard output\n"
     "  --tied             it declares tied siblings: what repeats in a split repeats exactly\n"
+    "  --concentration X,Y  sizes vary about their means as under a Dirichlet distribution of this\n"
+    "                     concentration along x, y, as far as a rule's own examples do not tell;\n"
+    "                     pooled: the one of all rules (default 0,0: by its own examples alone)\n"
     "  --initial FILE     write the grammar that the search starts from, too\n"
     "  --report DIR       write a page with settings, trace, grammar, lattices and samples\n" SG_COMMON_HELP;
 
@@ -78,6 +81,7 @@ enum {
     OPT_CHUNK,
     OPT_REESTIMATE,
     OPT_TIED,
+    OPT_CONCENTRATION,
     OPT_INITIAL,
     OPT_REPORT
 };
@@ -105,6 +109,7 @@ static const struct option long_options[] = {{"names", required_argument, NULL, 
                                              {"reestimate", required_argument, NULL, OPT_REESTIMATE},
                                              {"output", required_argument, NULL, 'o'},
                                              {"tied", no_argument, NULL, OPT_TIED},
+                                             {"concentration", required_argument, NULL, OPT_CONCENTRATION},
                                              {"initial", required_argument, NULL, OPT_INITIAL},
                                              {"report", required_argument, NULL, OPT_REPORT},
                                              SG_COMMON_LONG_OPTIONS,
@@ -170,6 +175,22 @@ static bool set_energy_option(int opt, const char *arg, sg_energy_opts *e)
     }
 }
 
+/* X or X,Y, each a number or "pooled". */
+static bool set_concentration(const char *arg, sg_density_opts *d)
+{
+    char x[64];
+    const char *comma = strchr(arg, ','), *part[2] = {x, comma != NULL ? comma + 1 : x};
+    const size_t length = comma != NULL ? (size_t)(comma - arg) : strlen(arg);
+    snprintf(x, sizeof x, "%.*s", (int)(length < sizeof x ? length : sizeof x - 1), arg);
+    for (int axis = SG_SPLIT_X; axis <= SG_SPLIT_Y; axis++) {
+        if (strcmp(part[axis], "pooled") == 0)
+            d->concentration[axis] = SG_CONCENTRATION_POOLED;
+        else if (!sg_program_double("--concentration", part[axis], 0, 1e6, &d->concentration[axis]))
+            return false;
+    }
+    return true;
+}
+
 static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
 {
     int i;
@@ -215,6 +236,8 @@ static bool set_search_option(int opt, const char *arg, sg_learn_opts *l)
     case OPT_TIED:
         l->tied = true;
         return true;
+    case OPT_CONCENTRATION:
+        return set_concentration(arg, &l->densities);
     default: /* OPT_NO_REGROUP */
         l->best_regroup = false;
         l->incorporate.regroup = SG_REGROUP_NONE;
@@ -335,6 +358,16 @@ static sg_status spare_all_inputs(const options *o, const sg_learn_input *in, sg
     return spare_inputs(o, in, o->common.json, a, err);
 }
 
+static const char *concentrations(const sg_density_opts *d, sg_arena *a)
+{
+    const char *text[2];
+    for (int axis = SG_SPLIT_X; axis <= SG_SPLIT_Y; axis++)
+        text[axis] = d->concentration[axis] == SG_CONCENTRATION_POOLED
+                         ? "pooled"
+                         : sg_arena_printf(a, "%g", d->concentration[axis]);
+    return text[0] != NULL && text[1] != NULL ? sg_arena_printf(a, "%s, %s", text[0], text[1]) : NULL;
+}
+
 static size_t list_settings(const options *o, const sg_learn_result *r, sg_arena *a, sg_report_line *s)
 {
     const sg_learn_opts *l = &o->learn;
@@ -355,6 +388,7 @@ static size_t list_settings(const options *o, const sg_learn_result *r, sg_arena
     s[n++] = (sg_report_line){"chunks", l->search.chunk ? "yes" : "no"};
     s[n++] = (sg_report_line){"re-estimation", moments[l->reestimate_every ? 1 : 0]};
     s[n++] = (sg_report_line){"tied siblings", l->tied ? "yes" : "no"};
+    s[n++] = (sg_report_line){"concentration of sizes", concentrations(&l->densities, a)};
     s[n++] = (sg_report_line){"seed", sg_arena_printf(a, "%llu", (unsigned long long)o->common.seed)};
     for (size_t i = 0; i < n; i++)
         if (s[i].value == NULL)

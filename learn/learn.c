@@ -80,8 +80,8 @@ static sg_status conclude(sg_rules *r, const sg_learn_opts *opts, sg_arena *aren
     out->merged.name = "merged";
     SG_TRY(sg_energy_of_form(&opts->energy, &out->merged, out->merged_counts, &out->energy, err));
     SG_TRY(check_energy(out, err));
-    SG_TRY(sg_finish(&out->initial, arena, &out->initial_finished, err));
-    SG_TRY(sg_finish(&out->merged, arena, &out->finished, err));
+    SG_TRY(sg_finish(&out->initial, &opts->densities, arena, &out->initial_finished, err));
+    SG_TRY(sg_finish(&out->merged, &opts->densities, arena, &out->finished, err));
     out->finished.name = "learned";
     out->finished.tied = opts->tied; /* merged is what was scored: each sibling by itself */
     return SG_OK;

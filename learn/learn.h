@@ -5,6 +5,7 @@
 
 #include "learn/compatible.h"
 #include "learn/energy.h"
+#include "learn/finish.h"
 #include "learn/incorporate.h"
 #include "learn/search.h"
 
@@ -17,11 +18,13 @@ typedef struct {
     bool reestimate_every;    /* by Earley parsing after each accepted step; else once, at the end */
     sg_compatible compatible; /* what may be merged */
     bool tied;                /* the learned grammar declares tied siblings */
+    sg_density_opts densities; /* of sizes */
 } sg_learn_opts;
 
 #define SG_LEARN_OPTS_INIT                                                                                             \
     {                                                                                                                  \
-        SG_INCORPORATE_OPTS_INIT, true, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, SG_COMPATIBLE_KINDS, false    \
+        SG_INCORPORATE_OPTS_INIT, true, SG_ENERGY_OPTS_INIT, SG_SEARCH_OPTS_INIT, false, SG_COMPATIBLE_KINDS, false,   \
+        SG_DENSITY_OPTS_INIT                                                                                           \
     }
 
 /** Everything is in the arena, but for the history. */

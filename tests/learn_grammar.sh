@@ -47,7 +47,7 @@ cmp -s out g.sg || fail "standard output has another grammar"
 # The same bytes with any number of threads, and whatever the search
 for option in "--search lookahead" "--search beam --beam 3" "--search anneal --walks 2" "--chunk" "--reestimate every" \
     "--data-term viterbi --alpha 1.5" "--length-prior none" "--share none" "--share collapsed" "--no-regroup" \
-    "--regroup pairs --compatible labels" "--tied" "--weight 2" "--weight 0" "--max-images 0" "--max-images 1"; do
+    "--regroup pairs --compatible labels" "--tied" "--concentration pooled,1000" "--concentration 20" "--weight 2" "--weight 0" "--max-images 0" "--max-images 1"; do
     # shellcheck disable=SC2086
     expect 0 "$program" lat -o one.sg --json one.json --initial one0.sg --threads 1 $option
     # shellcheck disable=SC2086
@@ -131,6 +131,7 @@ expect 0 "$program" --version
 for bad in "" "lat" "lat lat -o x.sg" "lat -o x.sg --weight -1" "lat -o x.sg --weight nan" "lat -o x.sg --alpha 0" \
     "lat -o x.sg --share some" "lat -o x.sg --search best" "lat -o x.sg --data-term viterbi --alpha 0.5" \
     "lat -o x.sg --cells 3 --accuracy 0.5" "lat -o x.sg --fold 1 --names n" "lat -o - --json -" "lat -o x.sg --max-images x" \
+    "lat -o x.sg --concentration 1,x" "lat -o x.sg --concentration -3" "lat -o x.sg --concentration 1,2,3" \
     "lat -o x.sg --nothing"; do
     # shellcheck disable=SC2086
     expect 2 "$program" $bad

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_incorporate.c - lattices to the initial grammar, and the merged grammar to the finished one. */
 #include "core/file.h"
+#include "core/random.h"
 #include "learn/compatible.h"
 #include "learn/finish.h"
 #include "learn/incorporate.h"
@@ -8,6 +9,7 @@
 #include "tests/support.h"
 
 #include <gsl/gsl_linalg.h>
+#include <gsl/gsl_randist.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -23,6 +25,7 @@ static const char small[] = "lattice 5 4\n"
 
 static sg_error err = SG_ERROR_INIT;
 static sg_arena *arena;
+static const sg_density_opts own = SG_DENSITY_OPTS_INIT;
 static const sg_incorporate_opts pairs = {SG_SHARE_EQUAL, SG_REGROUP_PAIRS, 0, NULL, NULL};
 
 static void setup(void)
@@ -158,7 +161,7 @@ START_TEST(storeys_become_one_band)
     const sg_split_form f =
         incorporate(text, 1, (sg_incorporate_opts){SG_SHARE_EQUAL, SG_REGROUP_FLOORS, 0, NULL, NULL}, &counts);
     sg_split_form g;
-    ck_ok(sg_finish(&f, arena, &g, &err));
+    ck_ok(sg_finish(&f, &own, arena, &g, &err));
     find_rule(&g, "S y R1 R2 R3");
     find_rule(&g, "R2 x C1 C2 C1 C2 C1 C2 C1");
     find_rule(&g, "C2 y window balcony wall window balcony wall");
@@ -194,7 +197,7 @@ START_TEST(finishing_collapses_what_one_region_can_stand_for)
                                 "wall wall balcony balcony wall balcony\n"};
     const sg_split_form f = incorporate(text, 1, pairs, &counts);
     sg_split_form g;
-    ck_ok(sg_finish(&f, arena, &g, &err));
+    ck_ok(sg_finish(&f, &own, arena, &g, &err));
     find_rule(&g, "R1 x sky");
     const size_t floor = find_rule(&g, "R2 x C1 C2 C1 C2");
     const double widths[] = {0.2, 0.4, 0.1, 0.3};
@@ -227,7 +230,7 @@ START_TEST(finishing_keeps_storeys_and_drops_self_rules)
     const sg_split_form f = {.name = "m", .nsymbols = 5, .symbol_names = names, .nterminals = 2,
                              .terminal_names = labels, .terminal_colors = colors, .nrules = 6, .rules = rules};
     sg_split_form g;
-    ck_ok(sg_finish(&f, arena, &g, &err));
+    ck_ok(sg_finish(&f, &own, arena, &g, &err));
     find_rule(&g, "S y F F");
     ck_assert_uint_eq(g.nrules, 5);
     ck_assert_double_eq(g.rules[find_rule(&g, "wall = wall")].probability, 1.0);
@@ -239,14 +242,14 @@ START_TEST(fitted_sizes_are_shrunk_and_proper)
 {
     const double two[] = {0.2, 0.3, 0.5, 0.4, 0.3, 0.3};
     double mean[3], c[4];
-    sg_fit_sizes(two, 2, 3, mean, c);
+    sg_fit_sizes(two, 2, 3, 0, mean, c);
     ck_assert_double_eq_tol(mean[0], 0.3, 1e-15);
     ck_assert_double_eq_tol(c[0], 0.01, 1e-15); /* (2 * 0.01 + 4 * 0.01) / 6 */
     ck_assert_double_eq_tol(c[3], 1e-4, 1e-15); /* never varied: the floor */
     ck_assert_double_eq_tol(c[1], 0, 1e-15);
     const double four[] = {0.1, 0.1, 0.8, 0.3, 0.3, 0.4, 0.1, 0.1, 0.8, 0.3, 0.3, 0.4};
     for (size_t m = 1; m <= 4; m++) {
-        sg_fit_sizes(four, m, 3, mean, c);
+        sg_fit_sizes(four, m, 3, 0, mean, c);
         const double s = m == 1 ? 0 : m == 3 ? 0.02 * 4 / 9 : 0.01;
         ck_assert_double_eq_tol(c[0], fmax(s, 1e-4), 1e-12);
         ck_assert_double_eq_tol(c[1], (double)m * s / ((double)m + 4), 1e-12);
@@ -256,13 +259,62 @@ START_TEST(fitted_sizes_are_shrunk_and_proper)
 }
 END_TEST
 
+/* One example varies as the Dirichlet does; with many, their own covariance wins. */
+START_TEST(sizes_shrink_towards_a_dirichlet)
+{
+    const double one[] = {0.2, 0.3, 0.5}, concentration = 24;
+    double mean[3], c[4], many[3 * 4000];
+    sg_fit_sizes(one, 1, 3, concentration, mean, c);
+    const double by = 4 / 5.0 / 25; /* nu0 / (m + nu0) / (c + 1) */
+    ck_assert_double_eq_tol(c[0], by * 0.2 * 0.8, 1e-15);
+    ck_assert_double_eq_tol(c[3], by * 0.3 * 0.7, 1e-15);
+    ck_assert_double_eq_tol(c[1], -by * 0.2 * 0.3, 1e-15);
+    ck_assert_double_eq(c[1], c[2]);
+    for (size_t i = 0; i < 4000; i++)
+        for (size_t j = 0; j < 3; j++)
+            many[3 * i + j] = one[j] + (i % 2 == 0 ? 0.01 : -0.01) * ((double)j - 1);
+    sg_fit_sizes(many, 4000, 3, concentration, mean, c);
+    ck_assert_double_eq_tol(c[0], 1e-4, 1e-5);
+    gsl_matrix_view v = gsl_matrix_view_array(c, 2, 2);
+    ck_assert_int_eq(gsl_linalg_cholesky_decomp1(&v.matrix), 0);
+}
+END_TEST
+
+/* Rules of other means and lengths share the concentration that their sizes were drawn with. */
+START_TEST(the_pooled_concentration_is_that_of_the_draws)
+{
+    enum { RULES = 200, USES = 5 };
+    const double concentration = 30;
+    static double sizes[RULES][USES * 4];
+    static sg_split_rule rules[RULES];
+    gsl_rng *rng = sg_random_create(1);
+    ck_assert_ptr_nonnull(rng);
+    for (size_t r = 0; r < RULES; r++) {
+        const uint32_t n = 2 + (uint32_t)(r % 3);
+        double alpha[4], total = 0;
+        for (uint32_t i = 0; i < n; i++)
+            total += alpha[i] = 0.2 + gsl_rng_uniform(rng);
+        for (uint32_t i = 0; i < n; i++)
+            alpha[i] *= concentration / total;
+        const size_t uses = 1 + r % USES;
+        for (size_t k = 0; k < uses; k++)
+            gsl_ran_dirichlet(rng, n, alpha, sizes[r] + k * n);
+        rules[r] = (sg_split_rule){.op = SG_SPLIT_X, .n = n, .nattributes = uses, .attributes = sizes[r]};
+    }
+    gsl_rng_free(rng);
+    const sg_split_form f = {.nrules = RULES, .rules = rules};
+    ck_assert_double_eq_tol(sg_pooled_concentration(&f, SG_SPLIT_X), concentration, 0.15 * concentration);
+    ck_assert_double_eq(sg_pooled_concentration(&f, SG_SPLIT_Y), 0);
+}
+END_TEST
+
 /* The page and the picture are there, hold each symbol, and escape what could break them. */
 START_TEST(a_report_shows_the_grammar)
 {
     double *counts;
     const sg_split_form f = incorporate((const char *[]){small}, 1, pairs, &counts);
     sg_split_form g;
-    ck_ok(sg_finish(&f, arena, &g, &err));
+    ck_ok(sg_finish(&f, &own, arena, &g, &err));
     char folder[] = "/tmp/sg_test_report_XXXXXX", path[256];
     ck_assert_ptr_nonnull(mkdtemp(folder));
     const sg_report_step steps[] = {{"initial <grammar>", 10, 11, 3, 1, 5}, {"merge a b", 8.5, 10, 3, 1, 5}};
@@ -337,6 +389,8 @@ int main(void)
     tcase_add_test(tc, finishing_collapses_what_one_region_can_stand_for);
     tcase_add_test(tc, finishing_keeps_storeys_and_drops_self_rules);
     tcase_add_test(tc, fitted_sizes_are_shrunk_and_proper);
+    tcase_add_test(tc, sizes_shrink_towards_a_dirichlet);
+    tcase_add_test(tc, the_pooled_concentration_is_that_of_the_draws);
     tcase_add_test(tc, a_report_shows_the_grammar);
     tcase_add_test(tc, compatible_means_labels_then_kinds_then_sizes);
     suite_add_tcase(suite, tc);

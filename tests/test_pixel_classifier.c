@@ -444,7 +444,7 @@ START_TEST(temperature_is_found)
     static const double truths[] = {0.5, 0.8, 1, 1.7, 3};
     const double f[4] = {0.25, 0.25, 0.25, 0.25}, t = truths[_i];
     sg_error err = SG_ERROR_INIT;
-    sg_pixel_judgements j = simulate(40000, t, 0, f, 1);
+    sg_pixel_judgements j = simulate(15000, t, 0, f, 1);
     const sg_pixel_weights w = equal_weights();
     const sg_calibration none = SG_CALIBRATION_NONE;
     sg_calibration c, again;
@@ -453,10 +453,10 @@ START_TEST(temperature_is_found)
     ck_assert_double_eq(c.temperature, again.temperature);
     ck_assert(c.fitted);
     ck_assert_double_eq(c.exponent, 0);
-    ck_assert_double_eq_tol(c.temperature, t, 0.04 * t);
+    ck_assert_double_eq_tol(c.temperature, t, 0.06 * t);
     const double best = sg_pixel_score_of(&j, &c, f, &w).log_loss;
     ck_assert_double_le(best, sg_pixel_score_of(&j, &none, f, &w).log_loss + 1e-9);
-    for (double s = 0.2; s < 5; s *= 1.05) { /* no other is better */
+    for (double s = 0.2; s < 5; s *= 1.1) { /* no other is better */
         const sg_calibration other = {s, 0, true};
         ck_assert_double_ge(sg_pixel_score_of(&j, &other, f, &w).log_loss, best - 1e-6);
     }
@@ -468,7 +468,7 @@ START_TEST(exponent_has_the_best_accuracy)
 {
     const double f[4] = {0.7, 0.2, 0.08, 0.02};
     sg_error err = SG_ERROR_INIT;
-    sg_pixel_judgements j = simulate(20000, 1, 0.6, f, 2 + (uint64_t)_i);
+    sg_pixel_judgements j = simulate(10000, 1, 0.6, f, 2 + (uint64_t)_i);
     const sg_pixel_weights w = equal_weights();
     sg_calibration c;
     ck_ok(sg_pixel_calibration_fit(&j, f, &w, true, 2, &c, &err));
@@ -690,7 +690,7 @@ int main(void)
     c = with_set(suite, "files", open_noisy);
     tcase_add_loop_test(c, what_is_written_is_read, 0, 2);
     tcase_add_test(c, every_cut_and_every_changed_byte_is_found);
-    tcase_add_loop_test(c, damage_under_a_right_checksum_does_no_harm, 0, 5);
+    tcase_add_loop_test(c, damage_under_a_right_checksum_does_no_harm, 0, 3);
     tcase_add_loop_test(c, reasons_are_told, 0, 4);
     tcase_add_test(c, unwritable_places_are_told);
     c = tcase_create("calibration");

@@ -448,8 +448,8 @@ START_TEST(temperature_is_found)
     const sg_pixel_weights w = equal_weights();
     const sg_calibration none = SG_CALIBRATION_NONE;
     sg_calibration c, again;
-    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 1, &c, &err));
-    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 3, &again, &err));
+    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 1, NULL, &c, &err));
+    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 3, NULL, &again, &err));
     ck_assert_double_eq(c.temperature, again.temperature);
     ck_assert(c.fitted);
     ck_assert_double_eq(c.exponent, 0);
@@ -471,13 +471,17 @@ START_TEST(exponent_has_the_best_accuracy)
     sg_pixel_judgements j = simulate(10000, 1, 0.6, f, 2 + (uint64_t)_i);
     const sg_pixel_weights w = equal_weights();
     sg_calibration c;
-    ck_ok(sg_pixel_calibration_fit(&j, f, &w, true, 2, &c, &err));
+    sg_pixel_tradeoff curve[SG_PIXEL_EXPONENTS];
+    ck_ok(sg_pixel_calibration_fit(&j, f, &w, true, 2, curve, &c, &err));
     ck_assert_double_eq_tol(c.exponent, 0.6, 0.2); /* what was done to them is undone */
     const sg_pixel_score best = sg_pixel_score_of(&j, &c, f, &w);
     for (int i = 0; i <= 40; i++) {
         const sg_calibration other = {c.temperature, i / 40.0, true};
         const sg_pixel_score s = sg_pixel_score_of(&j, &other, f, &w);
         ck_assert_double_le(s.overall + s.class_average, best.overall + best.class_average + 1e-4);
+        ck_assert_double_eq_tol(curve[i].exponent, other.exponent, 1e-12);
+        ck_assert_double_eq_tol(curve[i].overall, s.overall, 1e-4);
+        ck_assert_double_eq_tol(curve[i].class_average, s.class_average, 1e-3);
     }
     sg_pixel_judgements_clear(&j);
 }
@@ -508,7 +512,7 @@ START_TEST(score_is_what_a_hand_finds)
     ck_assert_double_eq_tol(s.log_loss, -(log(0.3) + log(0.7)) / 2, 1e-6);
     ck_assert(isnan(sg_pixel_score_of(&none, &plain, f, &w).overall));
     sg_calibration c;
-    ck_assert_int_eq(sg_pixel_calibration_fit(&none, f, &w, true, 1, &c, &err), SG_EINVAL);
+    ck_assert_int_eq(sg_pixel_calibration_fit(&none, f, &w, true, 1, NULL, &c, &err), SG_EINVAL);
 }
 END_TEST
 

@@ -23,23 +23,44 @@ static double short_mass(double a, double t)
     return t / 2 * sum;
 }
 
+/* M(a, infinity), Mills' ratio. GSL multiplies the same two numbers below 25, by way of their logarithms. */
+static double whole_mass_above(double a)
+{
+    return a < 25 ? sqrt(M_PI / 2) * erfc(a * M_SQRT1_2) * exp(a * a / 2) : 1 / gsl_sf_hazard(a);
+}
+
 /* M(a, t) for a >= 0. */
 static double mass_above(double a, double t)
 {
     const double fall = t * (a + t / 2);
     if (fall < 1)
         return short_mass(a, t);
-    const double far = exp(-fall);
-    return 1 / gsl_sf_hazard(a) - (far > 0 ? far / gsl_sf_hazard(a + t) : 0);
+    const double whole = whole_mass_above(a);
+    return fall < 40 ? whole - exp(-fall) * whole_mass_above(a + t) : whole; /* beyond 40 it is less than an ulp */
 }
 
-/* t in [0, width] with M(a, t) = u M(a, width), which is total: Newton within a bracket. M is increasing and concave in t, so the
- * steps from the left never pass the root, and a few suffice. */
+/* Nearly that of tail_quantile(): by the inverse of the normal as far as it goes, else as if the density fell exponentially,
+ * or not at all. */
+static double first_guess(double a, double width, double u)
+{
+    const double fall = width * (a + width / 2);
+    if (fall < 1)
+        return a * width > 1e-3 ? -log1p(u * expm1(-a * width)) / a : u * width;
+    if (a < 25) {
+        const double beyond = fall < 40 ? u * erfc((a + width) * M_SQRT1_2) / 2 : 0;
+        const double above = (1 - u) * erfc(a * M_SQRT1_2) / 2 + beyond;
+        return sg_normal_quantile(1 - above, above) - a;
+    }
+    const double e = -log1p(u * expm1(-fall));
+    return 2 * e / (a + sqrt(a * a + 2 * e));
+}
+
+/* t in [0, width] with M(a, t) = u M(a, width), which is total: Newton within a bracket. M is increasing and concave in t, so
+ * the steps from the left never pass the root, and a few suffice; each squares the error. */
 static double tail_quantile(double a, double width, double total, double u)
 {
     const double target = u * total;
-    double low = 0, high = width;
-    double t = a > 0 ? -log1p(-u * -expm1(-a * width)) / a : u * width;
+    double low = 0, high = width, t = first_guess(a, width, u);
     for (int i = 0; i < 60; i++) {
         if (!(t > low && t < high))
             t = low + (high - low) / 2;
@@ -50,7 +71,7 @@ static double tail_quantile(double a, double width, double total, double u)
             low = t;
         const double step = excess * exp(t * (a + t / 2));
         t -= step;
-        if (!(fabs(step) > 2e-16 * t))
+        if (!(fabs(step) > 1e-9 * t))
             break;
     }
     return fmin(fmax(t, 0), width);

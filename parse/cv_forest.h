@@ -36,7 +36,7 @@ typedef struct {
 } sg_cv_node;
 
 /** Take samples. They are not copied: both arrays must outlive the result.
- *  @param x  [nfeatures][n], a feature's values side by side: growing goes through one feature at a time
+ *  @param x  [nfeatures][n]
  *  @param classes  [n]
  *  @return SG_OK, SG_EINVAL (nothing, or more than OpenCV's 32-bit sizes hold), SG_ENOMEM */
 sg_status sg_cv_samples_create(const float *x, size_t n, size_t nfeatures, const uint8_t *classes, sg_cv_samples **out,

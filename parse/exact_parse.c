@@ -4,7 +4,7 @@
 
 #include "image/classes.h"
 #include "parse/exact_priv.h"
-#include "scene/label_scene.h"
+#include "score/label_score.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,10 +12,8 @@
 #include <time.h>
 
 typedef struct {
-    const sg_grammar *g;
+    sg_exact_problem p;
     const sg_exact_opts *opts;
-    sg_split_form form;
-    sg_exact_costs costs;
     sg_exact_lines lines;
     sg_arena *arena;
     sg_exact_result *out;
@@ -77,8 +75,8 @@ static void halve(sg_exact_lines *l, size_t max_cells)
 static sg_status take_lines(work *w, const sg_lattice_fit *fit)
 {
     const size_t max_cells = w->opts->max_cells > 0 ? w->opts->max_cells : 2 * fit->width * fit->height;
-    uint32_t *x = SG_NEW_ARRAY(w->arena, uint32_t, w->costs.width + 1);
-    uint32_t *y = SG_NEW_ARRAY(w->arena, uint32_t, w->costs.height + 1);
+    uint32_t *x = SG_NEW_ARRAY(w->arena, uint32_t, w->p.costs.width + 1);
+    uint32_t *y = SG_NEW_ARRAY(w->arena, uint32_t, w->p.costs.height + 1);
     if (x == NULL || y == NULL)
         return SG_FAIL_NOMEM(w->err);
     memcpy(x, fit->x, (fit->width + 1) * sizeof *x);
@@ -90,10 +88,10 @@ static sg_status take_lines(work *w, const sg_lattice_fit *fit)
 
 static sg_status fit_lattice(work *w)
 {
-    const uint8_t *labels = cheapest(&w->costs, w->arena);
+    const uint8_t *labels = cheapest(&w->p.costs, w->arena);
     if (labels == NULL)
         return SG_FAIL_NOMEM(w->err);
-    const sg_lattice_source source = {w->costs.width, w->costs.height, w->costs.nterminals, labels, w->costs.costs};
+    const sg_lattice_source source = {w->p.costs.width, w->p.costs.height, w->p.costs.nterminals, labels, w->p.costs.costs};
     const sg_lattice_fit_opts opts = SG_LATTICE_FIT_OPTS_INIT;
     sg_lattice_problem *problem = NULL;
     sg_lattice_fit fit;
@@ -108,11 +106,11 @@ static sg_status fit_lattice(work *w)
 static double *cell_costs(const work *w)
 {
     const sg_exact_lines *f = &w->lines;
-    double *costs = SG_NEW_ARRAY(w->arena, double, w->form.nterminals * f->width * f->height), *next = costs;
-    for (uint32_t t = 0; costs != NULL && t < w->form.nterminals; t++)
+    double *costs = SG_NEW_ARRAY(w->arena, double, w->p.form.nterminals * f->width * f->height), *next = costs;
+    for (uint32_t t = 0; costs != NULL && t < w->p.form.nterminals; t++)
         for (size_t y = 0; y < f->height; y++)
             for (size_t x = 0; x < f->width; x++)
-                *next++ = fmax(0, sg_exact_cost(&w->costs, t, f->x[x], f->y[y], f->x[x + 1], f->y[y + 1]));
+                *next++ = fmax(0, sg_exact_cost(&w->p.costs, t, f->x[x], f->y[y], f->x[x + 1], f->y[y + 1]));
     return costs;
 }
 
@@ -136,7 +134,7 @@ static sg_status parse_cells(work *w, const sg_parse_table *table, sg_chart *cha
 
 static sg_status parse_lattice(work *w, sg_parse_node **nodes)
 {
-    sg_split_form free_form = w->form;
+    sg_split_form free_form = w->p.form;
     free_form.tied = false;
     sg_parse_table *table = NULL;
     sg_chart *chart = NULL;
@@ -150,60 +148,75 @@ static sg_status parse_lattice(work *w, sg_parse_node **nodes)
     return st;
 }
 
+/* The parse and what descent finds, if anything: the better one with all its parts. */
+static sg_status refine(work *w, sg_exact_node **root)
+{
+    sg_exact_node *other = NULL;
+    double *space = SG_NEW_ARRAY(w->arena, double, w->p.longest);
+    if (space == NULL)
+        return SG_FAIL_NOMEM(w->err);
+    SG_TRY(sg_exact_move_cuts(&w->p, *root, w->arena, w->err));
+    const sg_status st = sg_exact_descend(&w->p, w->opts->step_px, w->arena, &other, w->err);
+    if (st != SG_OK)
+        return st == SG_ENOPARSE ? SG_OK : st;
+    SG_TRY(sg_exact_move_cuts(&w->p, other, w->arena, w->err));
+    if (sg_exact_energy(&w->p, other, space) < sg_exact_energy(&w->p, *root, space))
+        *root = other;
+    return SG_OK;
+}
+
 static sg_status derive(work *w, const sg_parse_node *nodes)
 {
     sg_exact_node *root;
-    SG_TRY(sg_exact_tree_create(&w->form, nodes, &w->lines, w->arena, &root, w->err));
-    if (w->form.tied)
-        sg_exact_tree_tie(root, &w->costs);
-    return sg_exact_tree_derivation(root, w->g, &w->out->derivation, w->err);
+    SG_TRY(sg_exact_tree_create(&w->p, nodes, &w->lines, w->arena, &root, w->err));
+    sg_exact_tree_tie(&w->p, root);
+    if (w->opts->refine)
+        SG_TRY(refine(w, &root));
+    return sg_exact_tree_derivation(&w->p, root, &w->out->derivation, w->err);
 }
 
-/* Sum over the rectangles of the scene: each pixel has one label. */
-static sg_status image_energy(work *w)
+static sg_status image_energy(work *w, const sg_float_map *costs, const uint32_t *channel)
 {
-    const sg_exact_costs *c = &w->costs;
-    sg_label_scene scene = {0};
-    sg_status st = sg_label_scene_interpret(&scene, &w->out->derivation, (double)c->width, (double)c->height, w->err);
-    uint32_t *number = SG_NEW_ARRAY(w->arena, uint32_t, sg_grammar_symbol_count(w->g));
-    if (st == SG_OK && number == NULL)
-        st = SG_FAIL_NOMEM(w->err);
-    for (uint32_t t = 0; st == SG_OK && t < w->form.nterminals; t++)
-        number[sg_grammar_find(w->g, w->form.terminal_names[t])] = t;
-    for (size_t i = 0; st == SG_OK && i < scene.nrects; i++) {
-        const sg_label_rect *r = &scene.rects[i];
-        w->out->energy_image += sg_exact_cost(c, number[r->label], sg_label_scene_pixel(r->x0, scene.width, c->width),
-                                              sg_label_scene_pixel(r->y0, scene.height, c->height),
-                                              sg_label_scene_pixel(r->x1, scene.width, c->width),
-                                              sg_label_scene_pixel(r->y1, scene.height, c->height));
-    }
-    sg_label_scene_clear(&scene);
+    sg_score *score = NULL;
+    sg_score_state *state = NULL;
+    sg_score_value value = {0, 0};
+    sg_status st = sg_label_score_create(w->p.g, costs, channel, w->opts->weight, &score, w->err);
+    if (st == SG_OK)
+        st = sg_score_state_create(score, &state, w->err);
+    if (st == SG_OK)
+        st = sg_score_evaluate(state, &w->out->derivation, &value, w->err);
+    w->out->energy_image = -value.log;
+    sg_score_state_free(state);
+    sg_score_free(score);
     return st;
 }
 
-static sg_status energies(work *w)
+static sg_status energies(work *w, const sg_float_map *costs, const uint32_t *channel)
 {
     double log_prior, log_density;
     SG_TRY(sg_derivation_log_prior(&w->out->derivation, &log_prior, w->err));
     SG_TRY(sg_derivation_log_density(&w->out->derivation, &log_density, w->err));
     w->out->energy_rule = -log_prior;
     w->out->energy_attribute = -log_density;
-    return image_energy(w);
+    return image_energy(w, costs, channel);
 }
 
 static sg_status parse(work *w, const sg_float_map *costs, const uint32_t *channel)
 {
-    if (!(w->opts->weight > 0 && isfinite(w->opts->weight)))
-        return SG_FAIL(w->err, SG_EINVAL, "the weight of the image must be a positive number");
-    SG_TRY(sg_split_form_of(w->g, w->arena, &w->form, w->err));
-    SG_TRY(sg_exact_costs_create(w->g, &w->form, costs, channel, w->opts->weight, w->arena, &w->costs, w->err));
+    if (!(w->opts->weight > 0 && isfinite(w->opts->weight)) || !(w->opts->step_px >= 1))
+        return SG_FAIL(w->err, SG_EINVAL, "the weight of the image and the step must be positive numbers");
+    SG_TRY(sg_split_form_of(w->p.g, w->arena, &w->p.form, w->err));
+    for (size_t r = 0; r < w->p.form.nrules; r++)
+        if (w->p.form.rules[r].n > w->p.longest)
+            w->p.longest = w->p.form.rules[r].n;
+    SG_TRY(sg_exact_costs_create(w->p.g, &w->p.form, costs, channel, w->opts->weight, w->arena, &w->p.costs, w->err));
     SG_TRY(fit_lattice(w));
     sg_parse_node *nodes = NULL;
     sg_status st = parse_lattice(w, &nodes);
     if (st == SG_OK)
         st = derive(w, nodes);
     free(nodes);
-    return st == SG_OK ? energies(w) : st;
+    return st == SG_OK ? energies(w, costs, channel) : st;
 }
 
 sg_status sg_exact_parse(const sg_grammar *g, const sg_float_map *costs, const uint32_t *channel,
@@ -212,7 +225,7 @@ sg_status sg_exact_parse(const sg_grammar *g, const sg_float_map *costs, const u
     const double start = seconds_now();
     memset(out, 0, sizeof *out);
     sg_derivation_init(&out->derivation, g);
-    work w = {.g = g, .opts = opts, .arena = sg_arena_create(), .out = out, .err = err};
+    work w = {.p = {.g = g}, .opts = opts, .arena = sg_arena_create(), .out = out, .err = err};
     const sg_status st = w.arena != NULL ? parse(&w, costs, channel) : SG_FAIL_NOMEM(err);
     sg_arena_free(w.arena);
     if (st != SG_OK)

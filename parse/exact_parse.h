@@ -3,11 +3,13 @@
  *
  * An irregular lattice is fitted to the costs (lattice_fit.h), the cells' sums of costs are parsed by the Earley
  * machine in region mode (earley.h), and the best derivation becomes one of the grammar, its sizes those of the
- * lattice's lines. It is the best one, by E_img + E_rule of DESIGN 5.4, of all whose cuts are lines of the lattice:
- * sizes have no density in that parse, so E_attr takes no part in it. All three parts are reported.
+ * lattice's lines. It is the best one, by E_img + E_rule of DESIGN 5.4, of all whose cuts are lines of the lattice, where
+ * siblings are not tied: sizes have no density in that parse, so E_attr takes no part in it, and tied siblings are
+ * derived one by one, after which the derivation that serves all their places best takes all of them.
  *
- * Where siblings are tied, the parse derives each by itself, which is a relaxation; of equal siblings the derivation
- * that serves all their places best then takes all of them. So exact means exact for grammars without ties. */
+ * Both are made good by refining: a second derivation comes from descent over whole rules (exact_descend.c), in both the
+ * cuts move to where the energy with all its parts is least (exact_move.c), and the better one stays. That is a local
+ * optimum, no more bound to the lattice. */
 #ifndef SG_PARSE_EXACT_PARSE_H
 #define SG_PARSE_EXACT_PARSE_H
 
@@ -18,17 +20,18 @@ typedef struct {
     double weight;    /* of the costs, > 0: as in label_score.h */
     size_t max_cells; /* of the lattice, half of them fitted, the others by halving the longest sides; 0: as many as
                          description length asks for, and as many again */
-    bool refine;      /* move the cuts after the parse */
+    bool refine;
+    double step_px;   /* of refining: between places for cuts in descent, >= 1 */
 } sg_exact_opts;
 
-#define SG_EXACT_OPTS_INIT {1, 1200, true}
+#define SG_EXACT_OPTS_INIT {1, 600, true, 6}
 
 typedef struct {
     sg_derivation derivation;
     double energy_image;     /* weight * sum of the costs of the pixels' labels, nats */
     double energy_rule;      /* -sum of log rule probabilities */
     double energy_attribute; /* -sum of log densities of the sizes */
-    double energy_lattice;   /* E_img + E_rule of the parse, before ties and moves of cuts: the least on the lattice */
+    double energy_lattice;   /* E_img + E_rule of the parse, before ties and refining: the least on the lattice */
     size_t columns, rows;    /* of the lattice, cells */
     size_t states;           /* of the chart */
     double seconds;

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- from the parse ---- */
 
@@ -29,19 +30,27 @@ static void sizes_of(const builder *b, size_t node, sg_exact_node *out)
     }
 }
 
+sg_exact_node *sg_exact_node_create(const sg_split_rule *rule, sg_arena *arena)
+{
+    sg_exact_node *e = SG_NEW(arena, sg_exact_node);
+    if (e == NULL)
+        return NULL;
+    e->rule = rule;
+    if (rule->op == SG_SPLIT_LEXICAL)
+        return e;
+    e->sizes = SG_NEW_ARRAY(arena, double, rule->n);
+    e->children = SG_NEW_ARRAY(arena, sg_exact_node *, rule->n);
+    return e->sizes != NULL && e->children != NULL ? e : NULL;
+}
+
 static sg_status build(const builder *b, size_t node, sg_exact_node **out, sg_error *err)
 {
-    sg_exact_node *e = SG_NEW(b->arena, sg_exact_node);
+    sg_exact_node *e = sg_exact_node_create(&b->form->rules[b->nodes[node].rule], b->arena);
     if (e == NULL)
         return SG_FAIL_NOMEM(err);
     *out = e;
-    e->rule = &b->form->rules[b->nodes[node].rule];
     if (e->rule->op == SG_SPLIT_LEXICAL)
         return SG_OK;
-    e->sizes = SG_NEW_ARRAY(b->arena, double, e->rule->n);
-    e->children = SG_NEW_ARRAY(b->arena, sg_exact_node *, e->rule->n);
-    if (e->sizes == NULL || e->children == NULL)
-        return SG_FAIL_NOMEM(err);
     sizes_of(b, node, e);
     size_t child = node + 1;
     for (uint32_t i = 0; i < e->rule->n; i++, child += b->nodes[child].length)
@@ -49,103 +58,155 @@ static sg_status build(const builder *b, size_t node, sg_exact_node **out, sg_er
     return SG_OK;
 }
 
-sg_status sg_exact_tree_create(const sg_split_form *form, const sg_parse_node *nodes, const sg_exact_lines *lines,
+sg_status sg_exact_tree_create(const sg_exact_problem *p, const sg_parse_node *nodes, const sg_exact_lines *lines,
                                sg_arena *arena, sg_exact_node **out, sg_error *err)
 {
-    const builder b = {form, nodes, lines, arena};
+    const builder b = {&p->form, nodes, lines, arena};
     return build(&b, 0, out, err);
+}
+
+sg_exact_node *sg_exact_tree_copy(const sg_exact_node *e, sg_arena *arena)
+{
+    sg_exact_node *copy = sg_exact_node_create(e->rule, arena);
+    if (copy == NULL || e->rule->op == SG_SPLIT_LEXICAL)
+        return copy;
+    memcpy(copy->sizes, e->sizes, e->rule->n * sizeof *e->sizes);
+    for (uint32_t i = 0; i < e->rule->n; i++) {
+        for (uint32_t j = 0; j < i && copy->children[i] == NULL; j++)
+            if (e->children[j] == e->children[i])
+                copy->children[i] = copy->children[j];
+        if (copy->children[i] == NULL && (copy->children[i] = sg_exact_tree_copy(e->children[i], arena)) == NULL)
+            return NULL;
+    }
+    return copy;
+}
+
+/* ---- energies ---- */
+
+uint32_t sg_exact_first(const sg_exact_problem *p, const sg_split_rule *r, uint32_t i)
+{
+    for (uint32_t j = 0; p->form.tied && j < i; j++)
+        if (r->rhs[j] == r->rhs[i])
+            return j;
+    return i;
+}
+
+double sg_exact_leaf_energy(const sg_exact_problem *p, uint32_t terminal, sg_exact_place at)
+{
+    const sg_exact_costs *c = &p->costs;
+    const double w = (double)c->width, h = (double)c->height;
+    return sg_exact_cost(c, terminal, sg_label_scene_pixel(at.x0, w, c->width),
+                         sg_label_scene_pixel(at.y0, h, c->height), sg_label_scene_pixel(at.x1, w, c->width),
+                         sg_label_scene_pixel(at.y1, h, c->height));
+}
+
+double sg_exact_image_energy(const sg_exact_problem *p, const sg_exact_node *e, sg_exact_place at)
+{
+    if (e->rule->op == SG_SPLIT_LEXICAL)
+        return sg_exact_leaf_energy(p, e->rule->rhs[0], at);
+    double sum = 0, from = 0;
+    for (uint32_t i = 0; i < e->rule->n; i++) {
+        const double to = i + 1 == e->rule->n ? 1 : from + e->sizes[i];
+        sum += sg_exact_image_energy(p, e->children[i], sg_exact_part(e->rule, at, from, to));
+        from = to;
+    }
+    return sum;
+}
+
+/* The language cuts y from the bottom. */
+static void body_order(const sg_split_rule *r, const double *sizes, double *out)
+{
+    for (uint32_t i = 0; i < r->n; i++)
+        out[i] = sizes[r->op == SG_SPLIT_Y ? r->n - 1 - i : i];
+}
+
+double sg_exact_size_energy(const sg_exact_problem *p, const sg_split_rule *r, const double *sizes, double *work)
+{
+    const sg_rule *rule = sg_grammar_rule(p->g, r->source);
+    double log_density = 0;
+    if (rule->ndraws == 0)
+        return 0;
+    body_order(r, sizes, work);
+    if (sg_draw_log_density(p->g, &rule->draws[0], NULL, 0, work, &log_density, NULL) != SG_OK)
+        return INFINITY;
+    return -log_density;
+}
+
+static double own_energy(const sg_exact_problem *p, const sg_exact_node *e, double *work)
+{
+    double sum = -log(e->rule->probability);
+    if (e->rule->op == SG_SPLIT_LEXICAL)
+        return sum;
+    sum += sg_exact_size_energy(p, e->rule, e->sizes, work);
+    for (uint32_t i = 0; i < e->rule->n; i++)
+        if (sg_exact_first(p, e->rule, i) == i)
+            sum += own_energy(p, e->children[i], work);
+    return sum;
+}
+
+double sg_exact_energy(const sg_exact_problem *p, const sg_exact_node *root, double *work)
+{
+    return sg_exact_image_energy(p, root, sg_exact_whole(p)) + own_energy(p, root, work);
 }
 
 /* ---- ties ---- */
 
-typedef struct {
-    double x0, y0, x1, y1; /* px */
-} place;
-
-static place part_of(const sg_exact_node *e, uint32_t i, place at)
-{
-    const bool x = e->rule->op == SG_SPLIT_X;
-    const double start = x ? at.x0 : at.y0, length = x ? at.x1 - at.x0 : at.y1 - at.y0;
-    double low = 0;
-    for (uint32_t j = 0; j < i; j++)
-        low += e->sizes[j];
-    const double from = start + low * length, to = start + (low + e->sizes[i]) * length;
-    return x ? (place){from, at.y0, to, at.y1} : (place){at.x0, from, at.x1, to};
-}
-
-static double image_energy(const sg_exact_node *e, const sg_exact_costs *c, place at)
-{
-    if (e->rule->op == SG_SPLIT_LEXICAL) {
-        const double w = (double)c->width, h = (double)c->height;
-        return sg_exact_cost(c, e->rule->rhs[0], sg_label_scene_pixel(at.x0, w, c->width),
-                             sg_label_scene_pixel(at.y0, h, c->height), sg_label_scene_pixel(at.x1, w, c->width),
-                             sg_label_scene_pixel(at.y1, h, c->height));
-    }
-    double sum = 0;
-    for (uint32_t i = 0; i < e->rule->n; i++)
-        sum += image_energy(e->children[i], c, part_of(e, i, at));
-    return sum;
-}
-
-/* Equal siblings are derived once. */
-static bool is_repeated(const sg_split_rule *r, uint32_t i)
-{
-    for (uint32_t j = 0; j < i; j++)
-        if (r->rhs[j] == r->rhs[i])
-            return true;
-    return false;
-}
-
-static double rule_energy(const sg_exact_node *e)
+static double rule_energy(const sg_exact_problem *p, const sg_exact_node *e)
 {
     double sum = -log(e->rule->probability);
     for (uint32_t i = 0; e->rule->op != SG_SPLIT_LEXICAL && i < e->rule->n; i++)
-        if (!is_repeated(e->rule, i))
-            sum += rule_energy(e->children[i]);
+        if (sg_exact_first(p, e->rule, i) == i)
+            sum += rule_energy(p, e->children[i]);
     return sum;
 }
 
-static double shared_energy(const sg_exact_node *e, uint32_t child, uint32_t symbol, const sg_exact_costs *c, place at)
+/* Of `child` in all parts that are derived with part `first`. */
+static double shared_energy(const sg_exact_problem *p, const sg_exact_node *e, uint32_t first,
+                            const sg_exact_node *child, sg_exact_place at)
 {
-    double sum = rule_energy(e->children[child]);
-    for (uint32_t i = 0; i < e->rule->n; i++)
-        if (e->rule->rhs[i] == symbol)
-            sum += image_energy(e->children[child], c, part_of(e, i, at));
-    return sum;
-}
-
-static void share(sg_exact_node *e, uint32_t symbol, const sg_exact_costs *c, place at)
-{
-    sg_exact_node *best = NULL;
-    double least = INFINITY;
+    double sum = rule_energy(p, child), from = 0;
     for (uint32_t i = 0; i < e->rule->n; i++) {
-        if (e->rule->rhs[i] != symbol)
+        if (sg_exact_first(p, e->rule, i) == first)
+            sum += sg_exact_image_energy(p, child, sg_exact_part(e->rule, at, from, from + e->sizes[i]));
+        from += e->sizes[i];
+    }
+    return sum;
+}
+
+static void share(const sg_exact_problem *p, sg_exact_node *e, uint32_t first, sg_exact_place at)
+{
+    sg_exact_node *best = e->children[first];
+    double least = INFINITY;
+    for (uint32_t i = first; i < e->rule->n; i++) {
+        if (sg_exact_first(p, e->rule, i) != first)
             continue;
-        const double energy = shared_energy(e, i, symbol, c, at);
-        if (best == NULL || energy < least) {
+        const double energy = shared_energy(p, e, first, e->children[i], at);
+        if (energy < least) {
             best = e->children[i];
             least = energy;
         }
     }
-    for (uint32_t i = 0; i < e->rule->n; i++)
-        if (e->rule->rhs[i] == symbol)
+    for (uint32_t i = first; i < e->rule->n; i++)
+        if (sg_exact_first(p, e->rule, i) == first)
             e->children[i] = best;
 }
 
-static void tie(sg_exact_node *e, const sg_exact_costs *c, place at)
+static void tie(const sg_exact_problem *p, sg_exact_node *e, sg_exact_place at)
 {
     if (e->rule->op == SG_SPLIT_LEXICAL)
         return;
+    double from = 0;
+    for (uint32_t i = 0; i < e->rule->n; from += e->sizes[i++])
+        tie(p, e->children[i], sg_exact_part(e->rule, at, from, from + e->sizes[i]));
     for (uint32_t i = 0; i < e->rule->n; i++)
-        tie(e->children[i], c, part_of(e, i, at));
-    for (uint32_t i = 0; i < e->rule->n; i++)
-        if (!is_repeated(e->rule, i))
-            share(e, e->rule->rhs[i], c, at);
+        if (sg_exact_first(p, e->rule, i) == i)
+            share(p, e, i, at);
 }
 
-void sg_exact_tree_tie(sg_exact_node *root, const sg_exact_costs *costs)
+void sg_exact_tree_tie(const sg_exact_problem *p, sg_exact_node *root)
 {
-    tie(root, costs, (place){0, 0, (double)costs->width, (double)costs->height});
+    if (p->form.tied)
+        tie(p, root, sg_exact_whole(p));
 }
 
 /* ---- to a derivation ---- */
@@ -179,8 +240,7 @@ static sg_status set_sizes(sg_derivation *d, size_t node, const sg_exact_node *e
     const double *frame = d->values + at->values;
     double *value = d->values + at->values + r->draws[0].first_value;
     double *u = d->uniforms + at->uniforms + r->draws[0].first_uniform;
-    for (uint32_t i = 0; i < n; i++)
-        value[i] = e->sizes[e->rule->op == SG_SPLIT_Y ? n - 1 - i : i];
+    body_order(e->rule, e->sizes, value);
     for (uint32_t j = 0; j + 1 < n; j++) {
         SG_TRY(sg_draw_invert(d->grammar, &r->draws[0], frame, at->depth, value, u, err));
         SG_TRY(sg_draw_transform(d->grammar, &r->draws[0], frame, at->depth, u, got, err));
@@ -214,13 +274,14 @@ static sg_status expand(sg_derivation *d, size_t node, const sg_exact_node *e, g
     return SG_OK;
 }
 
-sg_status sg_exact_tree_derivation(const sg_exact_node *root, const sg_grammar *g, sg_derivation *out, sg_error *err)
+sg_status sg_exact_tree_derivation(const sg_exact_problem *p, const sg_exact_node *root, sg_derivation *out,
+                                   sg_error *err)
 {
     gsl_rng *rng = sg_random_create(1); /* for uniforms that are then replaced */
-    double *work = calloc(sg_grammar_frame_size(g) + 1, sizeof *work);
+    double *work = calloc(p->longest, sizeof *work);
     sg_status st = rng != NULL && work != NULL ? SG_OK : SG_FAIL_NOMEM(err);
     if (st == SG_OK)
-        st = sg_derivation_open(out, sg_grammar_start(g), sg_grammar_start_args(g), 0, err);
+        st = sg_derivation_open(out, sg_grammar_start(p->g), sg_grammar_start_args(p->g), 0, err);
     if (st == SG_OK)
         st = expand(out, 0, root, rng, work, err);
     free(work);

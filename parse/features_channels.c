@@ -9,11 +9,12 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *const names[SG_CHANNEL_ORIENTATION] = {
     "L",         "a",         "b",           "hue",         "saturation",  "value",       "gradient",    "|dL/dx|",
-    "|dL/dy|",   "L blur 1",  "L blur 2",    "L blur 4",    "a blur 1",    "a blur 2",    "a blur 4",    "b blur 1",
-    "b blur 2",  "b blur 4",  "laplacian 1", "laplacian 2", "laplacian 4", "laplacian 8", "slope x 2",   "slope x 4",
+    "|dL/dy|",   "L blur 1",  "a blur 1",    "b blur 1",    "L blur 2",    "a blur 2",    "b blur 2",    "L blur 4",
+    "a blur 4",  "b blur 4",  "laplacian 1", "laplacian 2", "laplacian 4", "laplacian 8", "slope x 2",   "slope x 4",
     "slope y 2", "slope y 4", "x/W",         "y/H",         "px to side",  "px to top",   "px to bottom"};
 
 const char *sg_channel_name(unsigned channel, char *text, size_t n)
@@ -34,11 +35,10 @@ static inline float *row_of(sg_plane p, size_t y)
 
 /* ---- colour ---- */
 
-static sg_status make_lab(const sg_channels *c, unsigned which, sg_plane to)
+static sg_status copy(sg_plane from, sg_plane to)
 {
     for (size_t y = 0; y < to.height; y++)
-        for (size_t x = 0; x < to.width; x++)
-            row_of(to, y)[x] = row_of(c->lab[which], y)[x];
+        memcpy(row_of(to, y), row_of(from, y), to.width * sizeof *to.at);
     return SG_OK;
 }
 
@@ -52,27 +52,34 @@ static sg_status make_hsv(sg_channels *c, unsigned which, sg_plane to, sg_error 
 
 /* ---- gradients ---- */
 
-static sg_status make_gradient(const sg_channels *c, unsigned channel, sg_plane to)
+static void measure_gradients(const sg_channels *c)
+{
+    for (size_t y = 0; y < c->dx.height; y++)
+        for (size_t x = 0; x < c->dx.width; x++) {
+            const float dx = row_of(c->dx, y)[x], dy = row_of(c->dy, y)[x];
+            row_of(c->gradient, y)[x] = sqrtf(dx * dx + dy * dy);
+            row_of(c->angle, y)[x] = atan2f(dy, dx) * (SG_ORIENTATIONS / (float)M_PI);
+        }
+}
+
+static sg_status make_slant(sg_plane from, sg_plane to)
 {
     for (size_t y = 0; y < to.height; y++)
-        for (size_t x = 0; x < to.width; x++) {
-            const float dx = row_of(c->dx, y)[x], dy = row_of(c->dy, y)[x];
-            row_of(to, y)[x] = channel == SG_CHANNEL_GRADIENT     ? sqrtf(dx * dx + dy * dy)
-                               : channel == SG_CHANNEL_GRADIENT_X ? fabsf(dx)
-                                                                  : fabsf(dy);
-        }
+        for (size_t x = 0; x < to.width; x++)
+            row_of(to, y)[x] = fabsf(row_of(from, y)[x]);
     return SG_OK;
 }
 
-/* A gradient is shared between the two directions it lies between. */
+/* A gradient is shared between the two orientations that it lies between; an angle lies within one turn, so the nearest
+ * of `which` modulo half a turn is at most one half turn off. */
 static sg_status make_orientation(const sg_channels *c, unsigned which, sg_plane to)
 {
     for (size_t y = 0; y < to.height; y++)
         for (size_t x = 0; x < to.width; x++) {
-            const float dx = row_of(c->dx, y)[x], dy = row_of(c->dy, y)[x];
-            float angle = atan2f(dy, dx) * (SG_ORIENTATIONS / (float)M_PI) - (float)which; /* in bins */
-            angle -= SG_ORIENTATIONS * roundf(angle / SG_ORIENTATIONS);
-            row_of(to, y)[x] = sqrtf(dx * dx + dy * dy) * fmaxf(0, 1 - fabsf(angle));
+            float off = fabsf(row_of(c->angle, y)[x] - (float)which);
+            off = off > SG_ORIENTATIONS ? off - SG_ORIENTATIONS : off;
+            off = off > SG_ORIENTATIONS / 2 ? SG_ORIENTATIONS - off : off;
+            row_of(to, y)[x] = off < 1 ? row_of(c->gradient, y)[x] * (1 - off) : 0;
         }
     return SG_OK;
 }
@@ -81,7 +88,7 @@ static sg_status make_orientation(const sg_channels *c, unsigned which, sg_plane
 
 static sg_status make_blur(const sg_channels *c, unsigned which, sg_plane to, sg_error *err)
 {
-    return sg_cv_gaussian(c->lab[which / 3], to, (double)(1u << which % 3), err);
+    return sg_cv_gaussian(c->lab[which % 3], to, (double)(1u << which / 3), err);
 }
 
 static void scale(sg_plane p, float factor)
@@ -111,14 +118,7 @@ static sg_status make_slope(const sg_channels *c, unsigned which, sg_plane to, s
 
 /* ---- local binary patterns ---- */
 
-/* Neighbours in their order round the pixel, bit by bit; a pattern is uniform when it changes at most twice on the way.
- */
-static unsigned kind_of(unsigned bits)
-{
-    const unsigned changes = bits ^ ((bits >> 1) | (bits & 1) << 7);
-    return __builtin_popcount(changes) <= 2 ? (unsigned)__builtin_popcount(bits) : 9;
-}
-
+/* Neighbours in their order round the pixel; a pattern is uniform when it changes at most twice on the way. */
 unsigned sg_binary_pattern(sg_plane p, size_t x, size_t y)
 {
     const size_t left = x > 0 ? x - 1 : 0, right = x + 1 < p.width ? x + 1 : x;
@@ -127,17 +127,26 @@ unsigned sg_binary_pattern(sg_plane p, size_t x, size_t y)
     const float middle = here[x];
     const float ring[8] = {above[left],  above[x], above[right], here[right],
                            below[right], below[x], below[left],  here[left]};
-    unsigned bits = 0;
-    for (unsigned i = 0; i < 8; i++)
-        bits |= (unsigned)(ring[i] >= middle) << i;
-    return kind_of(bits);
+    unsigned set = 0, changes = 0;
+    for (unsigned i = 0; i < 8; i++) {
+        set += ring[i] >= middle;
+        changes += (ring[i] >= middle) != (ring[(i + 1) % 8] >= middle);
+    }
+    return changes <= 2 ? set : 9;
+}
+
+static void find_patterns(const sg_channels *c)
+{
+    for (size_t y = 0; y < c->pattern.height; y++)
+        for (size_t x = 0; x < c->pattern.width; x++)
+            row_of(c->pattern, y)[x] = (float)sg_binary_pattern(c->lab[0], x, y);
 }
 
 static sg_status make_pattern(const sg_channels *c, unsigned which, sg_plane to)
 {
     for (size_t y = 0; y < to.height; y++)
         for (size_t x = 0; x < to.width; x++)
-            row_of(to, y)[x] = sg_binary_pattern(c->lab[0], x, y) == which ? 1 : 0;
+            row_of(to, y)[x] = row_of(c->pattern, y)[x] == (float)which ? 1 : 0;
     return SG_OK;
 }
 
@@ -172,11 +181,13 @@ static sg_status make_position(unsigned channel, sg_plane to)
 sg_status sg_channels_make(sg_channels *c, unsigned channel, sg_plane to, sg_error *err)
 {
     if (channel < SG_CHANNEL_HUE)
-        return make_lab(c, channel - SG_CHANNEL_L, to);
+        return copy(c->lab[channel - SG_CHANNEL_L], to);
     if (channel < SG_CHANNEL_GRADIENT)
         return make_hsv(c, channel - SG_CHANNEL_HUE, to, err);
+    if (channel == SG_CHANNEL_GRADIENT)
+        return copy(c->gradient, to);
     if (channel < SG_CHANNEL_BLUR_L1)
-        return make_gradient(c, channel, to);
+        return make_slant(channel == SG_CHANNEL_GRADIENT_X ? c->dx : c->dy, to);
     if (channel < SG_CHANNEL_LAPLACIAN1)
         return make_blur(c, channel - SG_CHANNEL_BLUR_L1, to, err);
     if (channel < SG_CHANNEL_SLOPE_X2)
@@ -193,15 +204,20 @@ sg_status sg_channels_make(sg_channels *c, unsigned channel, sg_plane to, sg_err
 sg_status sg_channels_create(const sg_image *photo, sg_channels *out, sg_error *err)
 {
     const size_t n = photo->width * photo->height;
-    *out = (sg_channels){.photo = photo, .data = malloc(6 * n * sizeof(float))};
+    sg_plane *const planes[] = {&out->lab[0],  &out->lab[1],   &out->lab[2], &out->dx,     &out->dy,
+                                &out->scratch, &out->gradient, &out->angle,  &out->pattern};
+    enum { NPLANES = sizeof planes / sizeof planes[0] };
+    *out = (sg_channels){.photo = photo, .data = malloc(NPLANES * n * sizeof(float))};
     if (out->data == NULL)
         return SG_FAIL_NOMEM(err);
-    sg_plane *const planes[6] = {&out->lab[0], &out->lab[1], &out->lab[2], &out->dx, &out->dy, &out->scratch};
-    for (size_t i = 0; i < 6; i++)
+    for (size_t i = 0; i < NPLANES; i++)
         *planes[i] = (sg_plane){out->data + i * n, photo->width, photo->height, photo->width};
     SG_TRY(sg_cv_lab(photo, out->lab[0], out->lab[1], out->lab[2], err));
     SG_TRY(sg_cv_derivative(out->lab[0], out->dx, 1, 0, err));
-    return sg_cv_derivative(out->lab[0], out->dy, 0, 1, err);
+    SG_TRY(sg_cv_derivative(out->lab[0], out->dy, 0, 1, err));
+    measure_gradients(out);
+    find_patterns(out);
+    return SG_OK;
 }
 
 void sg_channels_clear(sg_channels *c)

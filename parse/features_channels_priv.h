@@ -20,13 +20,13 @@ typedef enum {
     SG_CHANNEL_GRADIENT_X,
     SG_CHANNEL_GRADIENT_Y,
     SG_CHANNEL_BLUR_L1, /* the filter bank of Winn et al.: Gaussians of L, a and b of 1, 2 and 4 px, */
-    SG_CHANNEL_BLUR_L2,
-    SG_CHANNEL_BLUR_L4,
     SG_CHANNEL_BLUR_A1,
-    SG_CHANNEL_BLUR_A2,
-    SG_CHANNEL_BLUR_A4,
     SG_CHANNEL_BLUR_B1,
+    SG_CHANNEL_BLUR_L2,
+    SG_CHANNEL_BLUR_A2,
     SG_CHANNEL_BLUR_B2,
+    SG_CHANNEL_BLUR_L4,
+    SG_CHANNEL_BLUR_A4,
     SG_CHANNEL_BLUR_B4,
     SG_CHANNEL_LAPLACIAN1, /* Laplacians of Gaussians of L of 1, 2, 4 and 8 px, */
     SG_CHANNEL_LAPLACIAN2,
@@ -51,6 +51,8 @@ typedef enum {
 typedef struct {
     const sg_image *photo;
     sg_plane lab[3], dx, dy, scratch;
+    sg_plane gradient, angle; /* of L; angles in orientations, clockwise from the right */
+    sg_plane pattern;         /* sg_binary_pattern() */
     float *data;
 } sg_channels;
 

@@ -259,6 +259,14 @@ static json_t *counts_to_json(const uint64_t *counts, const sg_classes *classes)
     return out;
 }
 
+static json_t *curve_to_json(const sg_pixel_tradeoff *curve)
+{
+    json_t *out = json_array();
+    for (size_t i = 0; i < SG_PIXEL_EXPONENTS; i++)
+        json_array_append_new(out, json_pack("[f, f, f]", curve[i].exponent, curve[i].overall, curve[i].class_average));
+    return out;
+}
+
 typedef struct {
     uint64_t uses;
     size_t feature;
@@ -318,6 +326,7 @@ static json_t *to_json(const job *j, const sg_pixel_classifier *c, const sg_pixe
     if (cal.fitted) {
         json_object_set_new(out, "valid_before", score_to_json(&r->valid_before, classes));
         json_object_set_new(out, "valid", score_to_json(&r->valid, classes));
+        json_object_set_new(out, "exponent_overall_average", curve_to_json(r->curve));
     }
     json_object_set_new(out, "seconds",
                         json_pack("{s:f, s:f, s:f, s:f}", "sample", r->sample_s, "grow", r->grow_s, "fill", r->fill_s,

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EXPONENTS = 41, TEMPERATURES = 25, BLOCK = 4096, MAX_STEPS = 100 };
+enum { TEMPERATURES = 25, BLOCK = 4096, MAX_STEPS = 100 };
 #define LEAST_LOG_TEMPERATURE (-3.0)
 #define MOST_LOG_TEMPERATURE 3.0
 
@@ -77,9 +77,9 @@ sg_pixel_score sg_pixel_score_of(const sg_pixel_judgements *j, const sg_calibrat
 
 /* ---- exponent ---- */
 
-/* Mean of overall accuracy and class average of the most probable classes; logs of p are given. */
-static double accuracy_at(const sg_pixel_judgements *j, const float *logs, const double *frequency, double exponent,
-                          const sg_pixel_weights *weights)
+/* Logs of p are given. */
+static sg_pixel_tradeoff accuracy_at(const sg_pixel_judgements *j, const float *logs, const double *frequency,
+                                     double exponent, const sg_pixel_weights *weights)
 {
     const sg_calibration c = {1, exponent, false};
     double right[SG_MAX_CLASSES] = {0}, all[SG_MAX_CLASSES] = {0};
@@ -96,21 +96,24 @@ static double accuracy_at(const sg_pixel_judgements *j, const float *logs, const
     }
     sg_pixel_score s;
     average_accuracy(right, all, j->nclasses, weights, &s);
-    return 0.5 * (s.overall + s.class_average);
+    return (sg_pixel_tradeoff){exponent, s.overall, s.class_average};
 }
 
-static double best_exponent(const sg_pixel_judgements *j, const float *logs, const double *frequency,
-                            const sg_pixel_weights *weights, int threads)
+static double best_exponent(const sg_pixel_tradeoff *curve)
 {
-    double accuracy[EXPONENTS];
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (size_t i = 0; i < EXPONENTS; i++)
-        accuracy[i] = accuracy_at(j, logs, frequency, (double)i / (EXPONENTS - 1), weights);
     size_t best = 0;
-    for (size_t i = 1; i < EXPONENTS; i++)
-        if (accuracy[i] > accuracy[best])
+    for (size_t i = 1; i < SG_PIXEL_EXPONENTS; i++)
+        if (curve[i].overall + curve[i].class_average > curve[best].overall + curve[best].class_average)
             best = i;
-    return (double)best / (EXPONENTS - 1);
+    return curve[best].exponent;
+}
+
+static void draw_curve(const sg_pixel_judgements *j, const float *logs, const double *frequency,
+                       const sg_pixel_weights *weights, int threads, sg_pixel_tradeoff *curve)
+{
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (size_t i = 0; i < SG_PIXEL_EXPONENTS; i++)
+        curve[i] = accuracy_at(j, logs, frequency, (double)i / (SG_PIXEL_EXPONENTS - 1), weights);
 }
 
 /* ---- temperature ---- */
@@ -198,14 +201,20 @@ static sg_status fit_temperature(loss_problem *l, double *temperature, sg_error 
 }
 
 static sg_status fit(const sg_pixel_judgements *j, const double *frequency, const sg_pixel_weights *weights,
-                     bool fit_exponent, int threads, float *logs, double *parts, sg_calibration *out, sg_error *err)
+                     bool fit_exponent, int threads, float *logs, double *parts, sg_pixel_tradeoff *curve,
+                     sg_calibration *out, sg_error *err)
 {
     sg_calibration c = {1, 0, true};
+    sg_pixel_tradeoff mine[SG_PIXEL_EXPONENTS];
     float shift[SG_MAX_CLASSES];
     for (size_t i = 0; i < j->n * j->nclasses; i++)
         logs[i] = logf(j->p[i]);
+    if (fit_exponent || curve != NULL)
+        draw_curve(j, logs, frequency, weights, threads, mine);
     if (fit_exponent)
-        c.exponent = best_exponent(j, logs, frequency, weights, threads);
+        c.exponent = best_exponent(mine);
+    if (curve != NULL)
+        memcpy(curve, mine, sizeof mine);
     sg_pixel_calibration_shift(&c, frequency, j->nclasses, shift);
     for (size_t i = 0; i < j->n * j->nclasses; i++)
         logs[i] -= shift[i % j->nclasses];
@@ -217,14 +226,14 @@ static sg_status fit(const sg_pixel_judgements *j, const double *frequency, cons
 
 sg_status sg_pixel_calibration_fit(const sg_pixel_judgements *j, const double *frequency,
                                    const sg_pixel_weights *weights, bool fit_exponent, int threads,
-                                   sg_calibration *out, sg_error *err)
+                                   sg_pixel_tradeoff *curve, sg_calibration *out, sg_error *err)
 {
     if (j->n == 0)
         return SG_FAIL(err, SG_EINVAL, "no pixels to calibrate with");
     float *logs = malloc(j->n * j->nclasses * sizeof *logs);
     double *parts = malloc((j->n / BLOCK + 1) * sizeof *parts);
     const sg_status st = logs != NULL && parts != NULL
-                             ? fit(j, frequency, weights, fit_exponent, threads, logs, parts, out, err)
+                             ? fit(j, frequency, weights, fit_exponent, threads, logs, parts, curve, out, err)
                              : SG_FAIL_NOMEM(err);
     free(logs);
     free(parts);

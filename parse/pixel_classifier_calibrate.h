@@ -36,12 +36,20 @@ typedef struct {
 sg_pixel_score sg_pixel_score_of(const sg_pixel_judgements *j, const sg_calibration *c, const double *frequency,
                                  const sg_pixel_weights *weights);
 
-/** Fit. The exponent is that of 0, 0.025, ..., 1 whose most probable classes have the best mean of overall accuracy and class
- *  average, the smallest of equals; the temperature then has the least log loss (Brent's method, in log temperature).
+#define SG_PIXEL_EXPONENTS 41
+
+/** Accuracy of the most probable classes for each exponent that is tried: 0, 0.025, ..., 1. */
+typedef struct {
+    double exponent, overall, class_average;
+} sg_pixel_tradeoff;
+
+/** Fit. The exponent is that whose most probable classes have the best mean of overall accuracy and class average, the smallest
+ *  of equals; the temperature then has the least log loss (Brent's method, in log temperature).
  *  @param fit_exponent  false: it is 0
+ *  @param curve  out [SG_PIXEL_EXPONENTS], whether it is fitted or not; or NULL
  *  @return SG_OK, SG_EINVAL (no pixels), SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_pixel_calibration_fit(const sg_pixel_judgements *j, const double *frequency,
                                    const sg_pixel_weights *weights, bool fit_exponent, int threads,
-                                   sg_calibration *out, sg_error *err);
+                                   sg_pixel_tradeoff *curve, sg_calibration *out, sg_error *err);
 
 #endif

@@ -258,7 +258,8 @@ static sg_status calibrate_on(job *j, const sg_pixel_judgements *all, sg_error *
         w.accuracy[k] = w.loss[k] = 1;
     if (j->opts->balanced)
         weigh(c->frequency, counts, all->nclasses, w.loss);
-    SG_TRY(sg_pixel_calibration_fit(all, c->frequency, &w, !j->opts->balanced, j->opts->grow.threads, &c->calibration, err));
+    SG_TRY(sg_pixel_calibration_fit(all, c->frequency, &w, !j->opts->balanced, j->opts->grow.threads,
+                                    j->report->curve, &c->calibration, err));
     j->report->valid_pixels = all->n;
     j->report->valid_before = sg_pixel_score_of(all, &none, c->frequency, &w);
     j->report->valid = sg_pixel_score_of(all, &c->calibration, c->frequency, &w);

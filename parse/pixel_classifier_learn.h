@@ -27,6 +27,7 @@ typedef struct {
     uint64_t sample_pixels[SG_MAX_CLASSES]; /* and in the sample */
     size_t valid_pixels;                    /* that the calibration saw */
     sg_pixel_score valid_before, valid;     /* on these pixels, before and after calibration */
+    sg_pixel_tradeoff curve[SG_PIXEL_EXPONENTS];
     uint64_t *uses;                         /* [features] nodes that ask for each feature; malloc'd */
     double sample_s, grow_s, fill_s, valid_s; /* wall-clock time of the steps, seconds */
 } sg_pixel_learn_report;

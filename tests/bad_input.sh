@@ -6,7 +6,7 @@ set -u
 : "${SG_BUILD_DIR:?}" "${SG_SOURCE_DIR:?}"
 . "$SG_SOURCE_DIR/tests/shell_support.sh"
 PATH=$SG_BUILD_DIR/data:$SG_BUILD_DIR/parse:$SG_BUILD_DIR/learn:$SG_BUILD_DIR/src:$PATH
-programs="import-labels make-lattice learn-grammar parse-lattice print-grammar sample-grammar"
+programs="import-labels make-lattice learn-grammar parse-lattice print-grammar sample-grammar learn-unaries apply-unaries"
 
 none_half() { # FOLDER: no temporary and no empty file
     left=$(find "$1" -type f \( -name '.*' -o -size 0 \))

@@ -25,7 +25,7 @@ expect 0 quick -o one.rf --fold 1 --json one.json
 says err 'learn-unaries: 2 photographs, 75 features; 3 trees'
 says err '1 validation photographs: overall'
 says one.json '"prior_exponent"'
-says one.json '"feature": "R at'
+says one.json '"feature": "R'
 if command -v python3 >/dev/null; then
     expect 0 python3 -c 'import json
 r = json.load(open("one.json"))

@@ -104,6 +104,35 @@ START_TEST(streams_repeat_and_differ_by_each_part_of_the_key)
 }
 END_TEST
 
+static double of_two_words(gsl_rng *r)
+{
+    const uint64_t high = gsl_rng_get(r), low = gsl_rng_get(r);
+    return ((double)((high << 20) + (low >> 12)) + 0.5) / 4503599627370496.0;
+}
+
+/* However the words are taken, from whichever generator, from an odd word on too (round 1). */
+START_TEST(uniforms_are_made_of_two_words)
+{
+    const gsl_rng_type *types[] = {sg_random_philox, gsl_rng_mt19937};
+    gsl_rng *r[3];
+    for (int i = 0; i < 3; i++)
+        r[i] = gsl_rng_alloc(types[_i]);
+    for (int round = 0; round < 3; round++) {
+        double u[11];
+        for (int i = 0; i < 3 && round == 1; i++)
+            gsl_rng_get(r[i]);
+        sg_random_uniforms(r[1], u, 11);
+        for (int i = 0; i < 11; i++) {
+            const double want = of_two_words(r[0]);
+            ck_assert_double_eq(sg_random_uniform(r[2]), want);
+            ck_assert_double_eq(u[i], want);
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        gsl_rng_free(r[i]);
+}
+END_TEST
+
 START_TEST(uniforms_are_uniform_and_open)
 {
     enum { BINS = 64, N = 64000 };
@@ -220,6 +249,7 @@ int main(void)
     tcase_add_test(tc, arrays_grow_and_keep);
     tcase_add_test(tc, philox_gives_the_published_words);
     tcase_add_test(tc, streams_repeat_and_differ_by_each_part_of_the_key);
+    tcase_add_loop_test(tc, uniforms_are_made_of_two_words, 0, 2);
     tcase_add_loop_test(tc, uniforms_are_uniform_and_open, 0, 8);
     tcase_add_test(tc, output_replaces_only_when_committed);
     tcase_add_test(tc, output_failures_are_named);

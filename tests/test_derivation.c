@@ -193,6 +193,38 @@ START_TEST(rule_frequencies_are_the_probabilities)
 }
 END_TEST
 
+/* Few rules and many, impossible ones first, last and between: each is drawn as often as it should be. */
+START_TEST(many_rules_are_drawn_by_their_probabilities)
+{
+    enum { N = 100000 };
+    const uint32_t nrules = (uint32_t)_i;
+    sg_error err = SG_ERROR_INIT;
+    gsl_rng *rng = sg_random_create((uint64_t)_i);
+    char text[4000] = "weights label t label s start S rule S", *end = text + strlen(text);
+    for (uint32_t i = 0; i < nrules; i++)
+        end += sprintf(end, " -> %u : %s", nrules > 2 && i % 3 != 1 ? 0 : i + 1, i % 2 == 0 ? "s" : "t");
+    sg_grammar *g = load(text);
+    sg_derivation d;
+    sg_derivation_init(&d, g);
+    double count[64] = {0}, chisq = 0;
+    size_t possible = 0;
+    for (int i = 0; i < N; i++) {
+        ck_ok(sg_derivation_sample(&d, rng, 10, &err));
+        count[d.nodes[0].rule]++;
+    }
+    for (uint32_t i = 0; i < nrules; i++) {
+        const double want = N * sg_grammar_rule(g, i)->probability;
+        ck_assert(want > 0 || count[i] == 0);
+        chisq += want > 0 ? pow(count[i] - want, 2) / want : 0;
+        possible += want > 0;
+    }
+    ck_assert_msg(possible == 1 || gsl_cdf_chisq_Q(chisq, (double)possible - 1) > 1e-6, "%u rules: chi-square %g", nrules, chisq);
+    sg_derivation_clear(&d);
+    gsl_rng_free(rng);
+    sg_grammar_free(g);
+}
+END_TEST
+
 /* Weights that depend on the parameter: S(2) uses its first rule with probability 3/5, and U one in two. */
 START_TEST(conditional_rule_frequencies_are_the_probabilities)
 {
@@ -737,6 +769,7 @@ int main(void)
     tcase_add_loop_test(tc, splice_and_extract_are_inverse, 0, 10);
     tcase_add_test(tc, splice_shifts_depths_and_refuses_other_symbols);
     tcase_add_loop_test(tc, rule_frequencies_are_the_probabilities, 0, 4);
+    tcase_add_loop_test(tc, many_rules_are_drawn_by_their_probabilities, 1, 50);
     tcase_add_loop_test(tc, conditional_rule_frequencies_are_the_probabilities, 0, 4);
     tcase_add_loop_test(tc, sizes_have_the_moments_of_the_sequential_truncated_normal, 0, 4);
     tcase_add_test(tc, log_prior_and_density_by_hand);

@@ -217,7 +217,7 @@ static sg_status tiny_case(uint64_t seed, oracle_grammar *g, oracle_cells *c)
 /* @return true when every pixel line was a line of the lattice, so that the best of all derivations is known */
 static bool compare_with_oracle(const oracle_grammar *g, const oracle_cells *c)
 {
-    const sg_exact_opts opts = {1, c->cells.width * c->cells.height, false};
+    const sg_exact_opts opts = {1, c->cells.width * c->cells.height, false, 1};
     double p[ORACLE_RULES];
     oracle_probabilities(g, p);
     const double best = oracle_parse(g, &c->cells, SG_REGION_MODE, true, p);
@@ -280,6 +280,117 @@ START_TEST(costs_that_say_nothing_still_have_a_parse)
 }
 END_TEST
 
+static double energy_of(const sg_derivation *d, double weight)
+{
+    double log_density;
+    ck_ok(sg_derivation_log_density(d, &log_density, &err));
+    return cost_of(d, weight) + rules_of(d) - log_density;
+}
+
+/* Sizes count, and ties: what comes out is about as good as what the costs were made from, or better. */
+START_TEST(refining_lowers_the_energy)
+{
+    char text[sizeof house + 8];
+    snprintf(text, sizeof text, "%s%s", _i % 2 == 0 ? "tied\n" : "", house);
+    open_grammar(text);
+    plant((uint64_t)_i, 0.4);
+    sg_exact_opts opts = SG_EXACT_OPTS_INIT;
+    opts.weight = 0.03;
+    opts.max_cells = 300;
+    opts.refine = false;
+    ck_ok(sg_exact_parse(f.g, &f.costs, f.channel, &opts, &f.result, &err));
+    const double rough = energy_of(&f.result.derivation, opts.weight);
+    sg_exact_result_clear(&f.result);
+    opts.refine = true;
+    opts.step_px = 2;
+    ck_ok(sg_exact_parse(f.g, &f.costs, f.channel, &opts, &f.result, &err));
+    check_result(opts.weight);
+    const double fine = energy_of(&f.result.derivation, opts.weight);
+    ck_assert_msg(fine <= rough + 1e-6, "%g before, %g after", rough, fine);
+    ck_assert_double_le(fine, 1.1 * energy_of(&f.planted, opts.weight));
+}
+END_TEST
+
+static const char strips[] = "label wall\nlabel window\nlabel sky\n"
+                             "tied\n"
+                             "start House\n"
+                             "rule House -> split y { Floor | sky | Floor }\n"
+                             "  sizes mean (0.4, 0.2, 0.4) sd (0.08, 0.05, 0.08)\n"
+                             "rule Floor -> split x { wall | window | wall }\n"
+                             "  sizes mean (0.3, 0.3, 0.4) sd (0.07, 0.05, 0.08)\n";
+
+/* -log density of the sizes that cuts at whole pixels a < b of n make; the first rule of the symbol has one draw. */
+static double size_cost(const char *symbol, size_t a, size_t b, size_t n)
+{
+    const sg_rule *r = sg_grammar_rule(f.g, sg_grammar_symbol(f.g, sg_grammar_find(f.g, symbol))->first_rule);
+    const double size[] = {(double)a / (double)n, (double)(b - a) / (double)n, (double)(n - b) / (double)n};
+    double log_density = 0;
+    ck_ok(sg_draw_log_density(f.g, &r->draws[0], NULL, 0, size, &log_density, &err));
+    return -log_density;
+}
+
+/* Column x of a strip between two rows, as one label. */
+static void add_strip(double weight, const char *label, size_t y0, size_t y1, double *column)
+{
+    const float *costs = f.costs.values + f.channel[sg_grammar_find(f.g, label)] * WIDTH * HEIGHT;
+    for (size_t y = y0; y < y1; y++)
+        for (size_t x = 0; x < WIDTH; x++)
+            column[x] += weight * costs[y * WIDTH + x];
+}
+
+/* The best cuts of the floors, given what each column costs as wall and as window. */
+static double best_floor(const double *wall, const double *window, double (*sizes)[WIDTH + 1])
+{
+    double least = INFINITY, wall_to[WIDTH + 1] = {0}, window_to[WIDTH + 1] = {0};
+    for (size_t x = 0; x < WIDTH; x++) {
+        wall_to[x + 1] = wall_to[x] + wall[x];
+        window_to[x + 1] = window_to[x] + window[x];
+    }
+    for (size_t a = 1; a < WIDTH; a++)
+        for (size_t b = a + 1; b < WIDTH; b++)
+            least = fmin(least, sizes[a][b] + wall_to[a] + window_to[b] - window_to[a] + wall_to[WIDTH] - wall_to[b]);
+    return least;
+}
+
+/* All derivations of the strips that cut at whole pixels. The picture's y runs down, the first size is the lowest. */
+static double best_of_strips(double weight)
+{
+    static double sizes[WIDTH + 1][WIDTH + 1];
+    double least = INFINITY;
+    for (size_t a = 1; a < WIDTH; a++)
+        for (size_t b = a + 1; b < WIDTH; b++)
+            sizes[a][b] = size_cost("Floor", a, b, WIDTH);
+    for (size_t top = 1; top < HEIGHT; top++)
+        for (size_t bottom = top + 1; bottom < HEIGHT; bottom++) {
+            double wall[WIDTH] = {0}, window[WIDTH] = {0}, sky[WIDTH] = {0}, sum = 0;
+            add_strip(weight, "wall", 0, top, wall);
+            add_strip(weight, "wall", bottom, HEIGHT, wall);
+            add_strip(weight, "window", 0, top, window);
+            add_strip(weight, "window", bottom, HEIGHT, window);
+            add_strip(weight, "sky", top, bottom, sky);
+            for (size_t x = 0; x < WIDTH; x++)
+                sum += sky[x];
+            sum += size_cost("House", HEIGHT - bottom, HEIGHT - top, HEIGHT);
+            least = fmin(least, sum + best_floor(wall, window, sizes));
+        }
+    return least;
+}
+
+/* Children and cuts in turn need not end at the best there is; here, with one hump in each direction, they do. */
+START_TEST(descent_finds_the_best_tied_derivation)
+{
+    open_grammar(strips);
+    plant((uint64_t)_i, 0.5);
+    sg_exact_opts opts = SG_EXACT_OPTS_INIT;
+    opts.weight = 0.02;
+    opts.step_px = 1;
+    ck_ok(sg_exact_parse(f.g, &f.costs, f.channel, &opts, &f.result, &err));
+    check_result(opts.weight);
+    const double best = best_of_strips(opts.weight), got = energy_of(&f.result.derivation, opts.weight);
+    ck_assert_msg(got <= best + 1e-6, "%.9g, best %.9g", got, best);
+}
+END_TEST
+
 static void check_fails(sg_status status, const sg_exact_opts *opts)
 {
     ck_assert_int_eq(sg_exact_parse(f.g, &f.costs, f.channel, opts, &f.result, &err), status);
@@ -297,6 +408,9 @@ START_TEST(bad_input_is_refused)
     for (size_t i = 0; i < 4; i++) {
         sg_exact_opts bad = opts;
         bad.weight = bad_weights[i];
+        check_fails(SG_EINVAL, &bad);
+        bad = opts;
+        bad.step_px = i == 3 ? 0.5 : bad_weights[i];
         check_fails(SG_EINVAL, &bad);
     }
     const float bad_costs[] = {-1, NAN, INFINITY};
@@ -332,6 +446,8 @@ int main(void)
     tcase_add_loop_test(tc, parts_of_the_energy_agree_with_the_raster, 0, 8);
     tcase_add_test(tc, tiny_images_agree_with_brute_force);
     tcase_add_loop_test(tc, tied_siblings_share_one_derivation, 0, 8);
+    tcase_add_loop_test(tc, refining_lowers_the_energy, 0, 8);
+    tcase_add_loop_test(tc, descent_finds_the_best_tied_derivation, 0, 4);
     tcase_add_test(tc, costs_that_say_nothing_still_have_a_parse);
     tcase_add_test(tc, bad_input_is_refused);
     tcase_add_test(tc, what_no_grammar_can_fill_has_no_parse);

@@ -4,6 +4,7 @@
 
 #include "parse/features_channels_priv.h"
 #include "parse/features_priv.h"
+#include "parse/features_sums_priv.h"
 #include "tests/failing_malloc.h"
 #include "tests/support.h"
 
@@ -158,71 +159,128 @@ static size_t named(const char *name)
     ck_abort_msg("no feature is named %s", name);
 }
 
-/* Mean, or standard deviation, of a feature over a rectangle of pixels, of which those outside repeat the nearest one.
- */
-static double over(const sg_features *f, size_t feature, const ptrdiff_t box[4], bool sd)
+/* Mean, or standard deviation, of a plane over a rectangle of pixels, of which those outside repeat the nearest one. */
+static double over(sg_plane p, ptrdiff_t left, ptrdiff_t top, ptrdiff_t right, ptrdiff_t bottom, bool sd)
 {
     double sum = 0, squares = 0, n = 0;
-    for (ptrdiff_t y = box[1]; y <= box[3]; y++)
-        for (ptrdiff_t x = box[0]; x <= box[2]; x++, n++) {
-            const double v = (double)sg_features_value(f, feature, clamped(x, f->width), clamped(y, f->height));
+    for (ptrdiff_t y = top; y <= bottom; y++)
+        for (ptrdiff_t x = left; x <= right; x++, n++) {
+            const double v = (double)p.at[clamped(y, p.height) * p.stride + clamped(x, p.width)];
             sum += v;
             squares += v * v;
         }
     return sd ? sqrt(fmax(0, squares / n - sum / n * sum / n)) : sum / n;
 }
 
-typedef struct {
-    const char *name, *of; /* a feature and the one that it sums up */
-    bool sd;
-    ptrdiff_t left, above, right, below; /* of the rectangle, from the pixel; FULL: to the photograph's side */
-} sum_case;
-
-#define FULL 9999
-
-static const sum_case sums[] = {
-    {"L mean 7", "L", false, -3, -3, 3, 3},
-    {"a mean 7 at -7,+7", "a", false, -10, 4, -4, 10},
-    {"b mean 31 at +31,+0", "b", false, 16, -15, 46, 15},
-    {"L mean 61", "L", false, -30, -30, 30, 30},
-    {"L sd 15", "L", true, -7, -7, 7, 7},
-    {"b sd 31", "b", true, -15, -15, 15, 15},
-    {"L row mean 1", "L", false, -FULL, 0, FULL, 0},
-    {"L row mean 15", "L", false, -FULL, -7, FULL, 7},
-    {"L row sd 1", "L", true, -FULL, 0, FULL, 0},
-    {"a column mean 1", "a", false, 0, -FULL, 0, FULL},
-    {"L above 15", "L", false, -7, -FULL, 7, 0},
-    {"L below 15", "L", false, -7, 0, 7, FULL},
-};
-enum { NSUMS = sizeof sums / sizeof sums[0] };
-
-/* A side of a rectangle; whole rows, columns and strips end with the photograph and repeat nothing. */
-static ptrdiff_t side(size_t at, ptrdiff_t by, size_t n, bool cut)
+/* What a sum is, pixel by pixel. */
+static double slow_sum(sg_sum sum, ptrdiff_t bw, ptrdiff_t bh, sg_plane p, ptrdiff_t x, ptrdiff_t y)
 {
-    const ptrdiff_t to = (ptrdiff_t)at + by;
-    return by == FULL ? (ptrdiff_t)n - 1 : by == -FULL ? 0 : cut ? (ptrdiff_t)clamped(to, n) : to;
+    const ptrdiff_t w = bw / 2, h = bh / 2, right = (ptrdiff_t)p.width - 1, bottom = (ptrdiff_t)p.height - 1;
+    const ptrdiff_t top_row = y - h < 0 ? 0 : y - h, low_row = y + h > bottom ? bottom : y + h;
+    const ptrdiff_t left_column = x - w < 0 ? 0 : x - w, right_column = x + w > right ? right : x + w;
+    const double here = (double)p.at[(size_t)y * p.stride + (size_t)x];
+    switch (sum) {
+    case SG_SUM_NONE:
+        return here;
+    case SG_SUM_MEAN:
+    case SG_SUM_SD:
+        return over(p, x - w, y - h, x + w, y + h, sum == SG_SUM_SD);
+    case SG_SUM_CONTRAST:
+        return here - over(p, x - w, y - h, x + w, y + h, false);
+    case SG_SUM_ROW:
+    case SG_SUM_ROW_SD:
+        return over(p, 0, top_row, right, low_row, sum == SG_SUM_ROW_SD);
+    case SG_SUM_ROW_CONTRAST:
+        return here - over(p, 0, top_row, right, low_row, false);
+    case SG_SUM_COLUMN:
+    case SG_SUM_COLUMN_SD:
+        return over(p, left_column, 0, right_column, bottom, sum == SG_SUM_COLUMN_SD);
+    case SG_SUM_COLUMN_CONTRAST:
+        return here - over(p, left_column, 0, right_column, bottom, false);
+    case SG_SUM_ABOVE:
+        return over(p, x - w, 0, x + w, y, false);
+    case SG_SUM_BELOW:
+        return over(p, x - w, y, x + w, bottom, false);
+    case SG_SUM_LEFT:
+        return over(p, 0, y - h, x, y + h, false);
+    case SG_SUM_RIGHT:
+        return over(p, x, y - h, right, y + h, false);
+    }
+    ck_abort_msg("no sum has number %d", (int)sum);
 }
 
+static sg_plane new_plane(size_t width, size_t height)
+{
+    const size_t stride = width + 3;
+    float *at = calloc(stride * height, sizeof *at);
+    ck_assert_ptr_nonnull(at);
+    return (sg_plane){at, width, height, stride};
+}
+
+/* What lies beside the photograph's rows is no part of it and must not matter. */
 START_TEST(sums_are_those_of_the_photograph)
 {
-    const sum_case *c = &sums[_i % NSUMS];
-    sg_image im = random_photo(sizes[_i / NSUMS][0], sizes[_i / NSUMS][1], (uint64_t)_i);
+    static const size_t boxes[][2] = {{1, 1}, {3, 5}, {15, 15}, {61, 3}};
+    enum { NSUMS = SG_SUM_RIGHT + 1 };
+    const sg_sum sum = (sg_sum)(_i % NSUMS);
+    const size_t *size = sizes[_i / NSUMS];
+    sg_error err = SG_ERROR_INIT;
+    gsl_rng *rng = sg_random_create((uint64_t)_i);
+    ck_assert_ptr_nonnull(rng);
+    sg_plane p[4];
+    for (size_t i = 0; i < 4; i++)
+        p[i] = new_plane(size[0], size[1]);
+    for (size_t i = 0; i < p[0].stride * p[0].height; i++)
+        p[0].at[i] = i % p[0].stride < p[0].width ? (float)gsl_rng_uniform(rng) : 1000;
+    for (size_t b = 0; b < 4; b++) {
+        ck_ok(sg_sum_up(sum, boxes[b][0], boxes[b][1], p[0], p + 1, p[3], &err));
+        for (size_t y = 0; y < size[1]; y++)
+            for (size_t x = 0; x < size[0]; x++)
+                ck_assert_double_eq_tol(
+                    (double)p[3].at[y * p[3].stride + x],
+                    slow_sum(sum, (ptrdiff_t)boxes[b][0], (ptrdiff_t)boxes[b][1], p[0], (ptrdiff_t)x, (ptrdiff_t)y),
+                    sum == SG_SUM_SD ? 5e-4 : 2e-6);
+    }
+    for (size_t i = 0; i < 4; i++)
+        free(p[i].at);
+    gsl_rng_free(rng);
+}
+END_TEST
+
+/* A feature's name says what it reads. */
+START_TEST(features_are_what_their_names_say)
+{
+    static const struct {
+        const char *name, *of;
+        sg_sum sum;
+        int width, height, dx, dy;
+    } cases[] = {
+        {"L mean 15x15", "L", SG_SUM_MEAN, 15, 15, 0, 0},
+        {"a mean 15x15 at -20,+0", "a", SG_SUM_MEAN, 15, 15, -20, 0},
+        {"b mean 31x31 at +0,+80", "b", SG_SUM_MEAN, 31, 31, 0, 80},
+        {"L sd 7x7", "L", SG_SUM_SD, 7, 7, 0, 0},
+        {"gradient mean 15x15 at +15,+0", "gradient mean 15x15", SG_SUM_NONE, 0, 0, 15, 0},
+        {"a row mean 15 at +0,-40", "a", SG_SUM_ROW, 0, 15, 0, -40},
+        {"b row sd 5", "b", SG_SUM_ROW_SD, 0, 5, 0, 0},
+        {"b blur 2 less column mean 15", "b blur 2", SG_SUM_COLUMN_CONTRAST, 15, 0, 0, 0},
+        {"L blur 2 mean 41x3 at +0,+5", "L blur 2", SG_SUM_MEAN, 41, 3, 0, 5},
+        {"L above 15", "L", SG_SUM_ABOVE, 15, 0, 0, 0},
+        {"L right 15", "L", SG_SUM_RIGHT, 0, 15, 0, 0},
+    };
+    sg_image im = random_photo(sizes[_i][0], sizes[_i][1], (uint64_t)_i);
     sg_features f = rich_features(&im);
-    const size_t sum = named(c->name), of = named(c->of);
-    const bool cut = strstr(c->name, "row") != NULL || strstr(c->name, "column") != NULL;
-    for (size_t y = 0; y < f.height; y++)
-        for (size_t x = 0; x < f.width; x++) {
-            /* An offset is clamped before the box is laid, so it is taken out of the rectangle. */
-            const ptrdiff_t dx = (c->left + c->right) / 2, dy = (c->above + c->below) / 2;
-            const bool full = c->left == -FULL || c->above == -FULL || c->below == FULL;
-            const size_t cx = full ? x : clamped((ptrdiff_t)x + dx, f.width);
-            const size_t cy = full ? y : clamped((ptrdiff_t)y + dy, f.height);
-            const ptrdiff_t ox = full ? 0 : dx, oy = full ? 0 : dy;
-            const ptrdiff_t box[4] = {side(cx, c->left - ox, f.width, cut), side(cy, c->above - oy, f.height, cut),
-                                      side(cx, c->right - ox, f.width, cut), side(cy, c->below - oy, f.height, cut)};
-            ck_assert_double_eq_tol((double)sg_features_value(&f, sum, x, y), over(&f, of, box, c->sd),
-                                    c->sd ? 5e-2 : 2e-3); /* squares of up to 1e4 are summed in single precision */
-        }
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const size_t feature = named(cases[i].name);
+        const sg_plane of = {f.data + f.offsets[named(cases[i].of)], f.width, f.height, f.stride};
+        for (size_t y = 0; y < f.height; y++)
+            for (size_t x = 0; x < f.width; x++) {
+                const ptrdiff_t cx = (ptrdiff_t)clamped((ptrdiff_t)x + cases[i].dx, f.width);
+                const ptrdiff_t cy = (ptrdiff_t)clamped((ptrdiff_t)y + cases[i].dy, f.height);
+                ck_assert_double_eq_tol((double)sg_features_value(&f, feature, x, y),
+                                        slow_sum(cases[i].sum, cases[i].width, cases[i].height, of, cx, cy),
+                                        cases[i].sum == SG_SUM_SD ? 5e-2 : 2e-3); /* squares are up to 1e4 */
+            }
+    }
     sg_features_clear(&f);
     sg_image_clear(&im);
 }
@@ -417,7 +475,8 @@ int main(void)
     tcase_add_loop_test(patch, patch_reads_the_photograph, 0, 3 * NSIZES);
     suite_add_tcase(suite, patch);
     TCase *rich = tcase_create("rich");
-    tcase_add_loop_test(rich, sums_are_those_of_the_photograph, 0, NSUMS * NSIZES);
+    tcase_add_loop_test(rich, sums_are_those_of_the_photograph, 0, (SG_SUM_RIGHT + 1) * NSIZES);
+    tcase_add_loop_test(rich, features_are_what_their_names_say, 0, NSIZES);
     tcase_add_loop_test(rich, far_look_ups_are_clamped, 0, NSIZES);
     tcase_add_loop_test(rich, histograms_add_up, 0, NSIZES);
     tcase_add_loop_test(rich, all_features_are_finite, 0, 2 * NSIZES);

@@ -12,14 +12,18 @@ typedef struct {
     unsigned next;          /* first unused word of block; 4 when none is left */
 } philox_state;
 
+static void next_block(philox_state *s)
+{
+    s->block = philox4x32(s->counter, s->key);
+    s->counter.v[0]++;
+    s->next = 0;
+}
+
 static unsigned long philox_get(void *vstate)
 {
     philox_state *s = vstate;
-    if (s->next == 4) {
-        s->block = philox4x32(s->counter, s->key);
-        s->counter.v[0]++;
-        s->next = 0;
-    }
+    if (s->next == 4)
+        next_block(s);
     return s->block.v[s->next++];
 }
 
@@ -63,9 +67,34 @@ void sg_random_stream(gsl_rng *r, uint64_t seed, uint32_t chain, uint64_t iterat
     set_stream(r->state, seed, chain, iteration);
 }
 
-double sg_random_uniform(gsl_rng *r)
+static inline double uniform_of(uint64_t high, uint64_t low)
 {
-    const uint64_t high = gsl_rng_get(r), low = gsl_rng_get(r);
     const uint64_t bits = (high << 20) | (low >> 12); /* 52 bits */
     return ((double)bits + 0.5) * 0x1p-52;
+}
+
+/* Without the calls, as long as two words of a block are left. */
+static inline double next_uniform(gsl_rng *r)
+{
+    philox_state *s = r->state;
+    if (r->type != sg_random_philox || s->next % 2 != 0) {
+        const uint64_t high = gsl_rng_get(r), low = gsl_rng_get(r);
+        return uniform_of(high, low);
+    }
+    if (s->next == 4)
+        next_block(s);
+    const uint32_t *words = s->block.v + s->next;
+    s->next += 2;
+    return uniform_of(words[0], words[1]);
+}
+
+double sg_random_uniform(gsl_rng *r)
+{
+    return next_uniform(r);
+}
+
+void sg_random_uniforms(gsl_rng *r, double *u, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        u[i] = next_uniform(r);
 }

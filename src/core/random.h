@@ -6,6 +6,7 @@
 #define SG_CORE_RANDOM_H
 
 #include <gsl/gsl_rng.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /** The generator type, for gsl_rng_alloc(); gsl_rng_set(r, s) is sg_random_stream(r, s, 0, 0). */
@@ -20,5 +21,7 @@ void sg_random_stream(gsl_rng *r, uint64_t seed, uint32_t chain, uint64_t iterat
 
 /** A uniform in the open interval (0,1) with 52 random bits: never 0 or 1, so every inverse cdf takes it. */
 double sg_random_uniform(gsl_rng *r);
+/** The next n of them, in less time than by as many calls. */
+void sg_random_uniforms(gsl_rng *r, double *u, size_t n);
 
 #endif

@@ -23,19 +23,22 @@ static sg_rule_id pick(const double *p, sg_rule_id first, uint32_t n, double u)
     return first + last;
 }
 
-static sg_rule_id pick_constant(const sg_grammar *g, const sg_symbol *s, double u)
+/* The first sum that is greater than u. Counted where there are few, for no branch then depends on chance. */
+static uint32_t pick_constant(const double *cumulative, uint32_t n, double u)
 {
-    const sg_rule *rules = sg_grammar_rule(g, s->first_rule); /* they stand together */
-    uint32_t last = 0;
-    for (uint32_t i = 0; i < s->nrules; i++) {
-        const double p = rules[i].probability;
-        if (p > 0)
-            last = i;
-        if (u < p)
-            return s->first_rule + i;
-        u -= p;
+    enum { FEW = 8 };
+    uint32_t low = 0;
+    while (n - low > FEW) {
+        const uint32_t middle = low + (n - low) / 2;
+        if (cumulative[middle] > u)
+            n = middle + 1;
+        else
+            low = middle + 1;
     }
-    return s->first_rule + last;
+    uint32_t before = 0;
+    for (uint32_t i = low; i < n; i++)
+        before += !(cumulative[i] > u);
+    return low + before;
 }
 
 static sg_status pick_conditional(const sg_grammar *g, sg_sym symbol, const double *args, double depth, gsl_rng *rng,
@@ -64,7 +67,7 @@ static sg_status choose_rule(const sg_grammar *g, sg_sym symbol, const double *a
     }
     if (!s->constant_weights)
         return pick_conditional(g, symbol, args, depth, rng, rule, err);
-    *rule = s->nrules > 1 ? pick_constant(g, s, sg_random_uniform(rng)) : s->first_rule;
+    *rule = s->first_rule + (s->nrules > 1 ? pick_constant(s->cumulative, s->nrules, sg_random_uniform(rng)) : 0);
     return SG_OK;
 }
 
@@ -73,38 +76,31 @@ void sg_uniforms_take(sg_uniforms *from, double *u, size_t n)
     size_t i = 0;
     while (i < n && from->next < from->nkept)
         u[i++] = from->kept[from->next++];
-    while (i < n)
-        u[i++] = sg_random_uniform(from->rng);
+    sg_random_uniforms(from->rng, u + i, n - i);
 }
 
-/* Give the last node of d its rule, uniforms and draw values. */
-static sg_status derive_last(sg_derivation *d, size_t node, sg_rule_id rule, sg_uniforms *from, sg_error *err)
+/* A derivation that grows at its end. Rules and symbols stand in arrays. */
+typedef struct {
+    sg_derivation *d;
+    const sg_rule *rules;
+    const sg_symbol *symbols;
+    size_t depth_limit;
+    gsl_rng *rng;
+    sg_uniforms *from;
+    size_t max_nodes;
+    sg_error *err;
+} growth;
+
+/* Uniforms and draw values of the last node. */
+static sg_status draw_last(growth *w, const sg_node *n, const sg_rule *r)
 {
-    d->nodes[node].rule = rule;
-    if (rule == SG_RULE_EMPTY)
-        return SG_OK;
-    const sg_rule *r = sg_grammar_rule(d->grammar, rule);
-    if (r->ndraws == 0)
-        return SG_OK;
-    SG_TRY(sg_derivation_room(d, 0, r->nuniforms, r->nvalues, err));
-    double *u = d->uniforms + d->nodes[node].uniforms, *frame = d->values + d->nodes[node].values;
-    sg_uniforms_take(from, u, r->nuniforms);
-    const uint32_t nparams = sg_grammar_symbol(d->grammar, r->lhs)->nparams;
-    SG_TRY(sg_derivation_transform(d->grammar, r, nparams, d->nodes[node].depth, u, frame, err));
+    sg_derivation *d = w->d;
+    SG_TRY(sg_derivation_room(d, 0, r->nuniforms, r->nvalues, w->err));
+    double *u = d->uniforms + n->uniforms, *frame = d->values + n->values;
+    sg_uniforms_take(w->from, u, r->nuniforms);
+    SG_TRY(sg_derivation_transform(d->grammar, r, w->symbols[r->lhs].nparams, n->depth, u, frame, w->err));
     d->nuniforms += r->nuniforms;
     d->nvalues += r->nvalues;
-    return SG_OK;
-}
-
-/* Append the child that `c` asks for, open, with its arguments. */
-static sg_status append_child(sg_derivation *d, sg_child_op c, sg_error *err)
-{
-    const sg_node parent = d->nodes[c.parent];
-    const sg_op *op = sg_grammar_rule(d->grammar, parent.rule)->ops + c.op;
-    SG_TRY(sg_derivation_room(d, 1, 0, op->nargs, err));
-    const size_t node =
-        sg_derivation_append(d, op->symbol, (uint32_t)(d->nnodes - c.parent), parent.depth + 1, op->nargs);
-    sg_derivation_eval_args(d->grammar, op, d->values + parent.values, parent.depth, d->values + d->nodes[node].values);
     return SG_OK;
 }
 
@@ -118,41 +114,75 @@ static void reverse(sg_child_op *items, size_t n)
 }
 
 /* Put the children of a body without repeats on the stack, the first one on top. */
-static sg_status push_children(sg_derivation *d, const sg_rule *r, size_t node, size_t limit, sg_error *err)
+static sg_status push_children(growth *w, const sg_rule *r, size_t node, size_t limit)
 {
-    sg_child_list *list = &d->pending;
+    sg_child_list *list = &w->d->pending;
     if (r->nchildren > limit || list->n > limit - r->nchildren)
         return SG_EINVAL;
     if (list->n + r->nchildren > list->capacity && !SG_GROW(list->items, list->capacity, list->n + r->nchildren))
-        return SG_FAIL_NOMEM(err);
+        return SG_FAIL_NOMEM(w->err);
     for (uint32_t i = r->nchildren; i-- > 0;)
         list->items[list->n++] = (sg_child_op){(uint32_t)node, r->child_ops[i]};
     return SG_OK;
 }
 
-static sg_status push_repeated(sg_derivation *d, const sg_rule *r, size_t node, size_t limit, sg_error *err)
+static sg_status push_repeated(growth *w, const sg_rule *r, size_t node, size_t limit)
 {
+    sg_derivation *d = w->d;
     const sg_node *n = d->nodes + node;
     const size_t before = d->pending.n;
     SG_TRY(sg_derivation_list_children(d->grammar, r, d->values + n->values, n->depth, (uint32_t)node, limit,
-                                       &d->pending, err));
+                                       &d->pending, w->err));
     reverse(d->pending.items + before, d->pending.n - before);
     return SG_OK;
 }
 
 /* Derive the last node, and put its children on the stack. @return also SG_EINVAL: more than max_nodes */
-static sg_status derive_node(sg_derivation *d, size_t node, gsl_rng *rng, sg_uniforms *from, size_t max_nodes,
-                             sg_error *err)
+static sg_status derive_last(growth *w)
 {
+    sg_derivation *d = w->d;
+    const size_t node = d->nnodes - 1;
     const sg_node n = d->nodes[node];
-    sg_rule_id rule;
-    SG_TRY(choose_rule(d->grammar, n.symbol, d->values + n.values, n.depth, rng, &rule, err));
-    SG_TRY(derive_last(d, node, rule, from, err));
+    const sg_symbol *s = w->symbols + n.symbol;
+    sg_rule_id rule = s->first_rule;
+    if (!s->constant_weights || n.depth > w->depth_limit)
+        SG_TRY(choose_rule(d->grammar, n.symbol, d->values + n.values, n.depth, w->rng, &rule, w->err));
+    else if (s->nrules > 1)
+        rule += pick_constant(s->cumulative, s->nrules, sg_random_uniform(w->rng));
+    d->nodes[node].rule = rule;
     if (rule == SG_RULE_EMPTY)
         return SG_OK;
-    const sg_rule *r = sg_grammar_rule(d->grammar, rule);
-    const size_t limit = max_nodes - d->nnodes;
-    return r->has_repeat ? push_repeated(d, r, node, limit, err) : push_children(d, r, node, limit, err);
+    const sg_rule *r = w->rules + rule;
+    if (r->ndraws > 0)
+        SG_TRY(draw_last(w, &n, r));
+    const size_t limit = w->max_nodes - d->nnodes;
+    return r->has_repeat ? push_repeated(w, r, node, limit) : push_children(w, r, node, limit);
+}
+
+/* Append the child that is on top of the stack, open, with its arguments. */
+static sg_status append_next(growth *w)
+{
+    sg_derivation *d = w->d;
+    const sg_child_op c = d->pending.items[--d->pending.n];
+    const sg_node *parent = d->nodes + c.parent;
+    const uint32_t depth = parent->depth, values = parent->values;
+    const sg_op *op = w->rules[parent->rule].ops + c.op;
+    SG_TRY(sg_derivation_room(d, 1, 0, op->nargs, w->err));
+    const size_t node = sg_derivation_append(d, op->symbol, (uint32_t)(d->nnodes - c.parent), depth + 1, op->nargs);
+    if (op->nargs > 0)
+        sg_derivation_eval_args(d->grammar, op, d->values + values, depth, d->values + d->nodes[node].values);
+    return SG_OK;
+}
+
+/* True when there is nothing to choose or to draw for the last node: then it has its rule. */
+static bool finish_leaf(growth *w)
+{
+    sg_node *n = w->d->nodes + w->d->nnodes - 1;
+    const sg_symbol *s = w->symbols + n->symbol;
+    if (!s->leaf || n->depth > w->depth_limit)
+        return false;
+    n->rule = s->first_rule;
+    return true;
 }
 
 /* Lengths are sums over children: behind the tree's end first. */
@@ -162,21 +192,22 @@ static void sum_lengths(sg_derivation *d)
         d->nodes[i - d->nodes[i].parent].length += d->nodes[i].length;
 }
 
-static sg_status derive_all(sg_derivation *d, gsl_rng *rng, sg_uniforms *from, size_t max_nodes, bool *fits,
-                            sg_error *err)
+static sg_status grow(growth *w, bool *fits)
 {
-    *fits = true;
-    for (size_t node = 0;; node++) {
-        const sg_status st = derive_node(d, node, rng, from, max_nodes, err);
+    sg_derivation *d = w->d;
+    for (;;) {
+        const sg_status st = derive_last(w);
         if (st == SG_EINVAL) {
             *fits = false;
-            return sg_derivation_fail_at(d, node, SG_FAIL(err, SG_ENUMERIC, "more than %zu nodes", max_nodes), err);
+            SG_FAIL(w->err, SG_ENUMERIC, "more than %zu nodes", w->max_nodes);
         }
         if (st != SG_OK)
-            return sg_derivation_fail_at(d, node, st, err);
-        if (d->pending.n == 0)
-            return SG_OK;
-        SG_TRY(append_child(d, d->pending.items[--d->pending.n], err));
+            return sg_derivation_fail_at(d, d->nnodes - 1, st == SG_EINVAL ? SG_ENUMERIC : st, w->err);
+        do {
+            if (d->pending.n == 0)
+                return SG_OK;
+            SG_TRY(append_next(w));
+        } while (finish_leaf(w));
     }
 }
 
@@ -186,12 +217,14 @@ static sg_status derive(sg_derivation *slice, sg_sym symbol, const double *args,
 {
     if (max_nodes > SG_DERIVATION_MAX_ITEMS)
         max_nodes = SG_DERIVATION_MAX_ITEMS;
+    const sg_grammar *g = slice->grammar;
+    growth w = {slice, sg_grammar_rule(g, 0), sg_grammar_symbol(g, 0), sg_grammar_depth_limit(g), rng, from, max_nodes, err};
     slice->pending.n = 0;
     *fits = true;
     sg_status st = max_nodes > 0 ? sg_derivation_open(slice, symbol, args, depth, err)
                                  : SG_FAIL(err, SG_EINVAL, "a derivation has at least one node");
     if (st == SG_OK)
-        st = derive_all(slice, rng, from, max_nodes, fits, err);
+        st = grow(&w, fits);
     slice->pending.n = 0;
     if (st != SG_OK)
         slice->nnodes = slice->nuniforms = slice->nvalues = 0;
@@ -252,8 +285,7 @@ static sg_status insert_draws(sg_derivation *d, size_t node, const sg_rule *r, g
     const uint32_t nparams = sg_grammar_symbol(d->grammar, r->lhs)->nparams;
     const size_t value = d->nodes[node].values + nparams, uniform = d->nodes[node].uniforms;
     sg_derivation_shift(d, node, 0, value, (ptrdiff_t)r->nvalues, uniform, (ptrdiff_t)r->nuniforms);
-    for (uint32_t i = 0; i < r->nuniforms; i++)
-        d->uniforms[uniform + i] = sg_random_uniform(rng);
+    sg_random_uniforms(rng, d->uniforms + uniform, r->nuniforms);
     const sg_status st = sg_derivation_transform(d->grammar, r, nparams, d->nodes[node].depth, d->uniforms + uniform,
                                                  d->values + value - nparams, err);
     if (st != SG_OK)

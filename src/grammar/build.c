@@ -89,8 +89,8 @@ static const char *const *names_array(sg_arena *arena, const sg_ast_names *names
     return array;
 }
 
-static const sg_symbol blank_symbol = {NULL,    SG_SYMBOL_NONTERMINAL, false, 0, NULL, SG_NONE, 0,
-                                       SG_NONE, false,                 0,     0};
+static const sg_symbol blank_symbol = {
+    .kind = SG_SYMBOL_NONTERMINAL, .first_rule = SG_NONE, .completion = SG_NONE};
 
 static sg_status declare_nonterminal(sg_builder *b, const sg_ast_rule *r)
 {

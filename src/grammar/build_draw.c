@@ -36,19 +36,22 @@ static sg_status compile_args(sg_builder *b, const sg_scope *scope, const sg_ast
     return SG_OK;
 }
 
-/* What can be said without a frame is said now. */
+/* What can be said without a frame is said now. constants: out, the parameters when none depends on a frame, else NULL */
 static sg_status check_constant(sg_builder *b, const sg_ast_expr *call, sg_draw_kind kind, const sg_expr *args,
-                                uint32_t n)
+                                uint32_t n, const double **constants)
 {
-    double *v = malloc((n > 0 ? n : 1) * sizeof *v);
+    double *v = SG_NEW_ARRAY(b->arena, double, n);
     if (v == NULL)
         return sg_build_fail_nomem(b);
-    uint32_t constants = 0;
-    while (constants < n && sg_build_is_constant(b, args[constants], &v[constants]))
-        constants++;
-    const char *complaint = constants == n ? sg_distribution_complaint(kind, v, n) : NULL;
-    free(v);
-    return complaint == NULL ? SG_OK : FAIL(b, call->at, "%s: %s", call->name, complaint);
+    *constants = NULL;
+    for (uint32_t i = 0; i < n; i++)
+        if (!sg_build_is_constant(b, args[i], &v[i]))
+            return SG_OK;
+    const char *complaint = sg_distribution_complaint(kind, v, n);
+    if (complaint != NULL)
+        return FAIL(b, call->at, "%s: %s", call->name, complaint);
+    *constants = v;
+    return SG_OK;
 }
 
 static sg_status add_draw(sg_builder *b, const sg_scope *scope, sg_draw d, uint32_t *slot)
@@ -80,8 +83,8 @@ sg_status sg_build_draw(sg_builder *b, const sg_scope *scope, const sg_ast_expr 
     if (args == NULL)
         return sg_build_fail_nomem(b);
     SG_TRY(compile_args(b, scope, call, info, args));
-    SG_TRY(check_constant(b, call, info->kind, args, n));
-    const sg_draw d = {info->kind, name, n, args, info->nuniforms, 1, 0, 0, NULL};
+    sg_draw d = {.kind = info->kind, .name = name, .nargs = n, .args = args, .nuniforms = info->nuniforms, .nvalues = 1};
+    SG_TRY(check_constant(b, call, info->kind, args, n, &d.constants));
     return add_draw(b, scope, d, slot);
 }
 
@@ -173,7 +176,7 @@ sg_status sg_build_simplex(sg_builder *b, const sg_scope *scope, const sg_ast_si
         return sg_build_fail_nomem(b);
     if (sizes->sd != NULL)
         SG_TRY(covariance_of_sd(b, sizes->sd, nparts, covariance));
-    sg_draw d = {SG_DRAW_SIMPLEX, NULL, 0, NULL, (uint32_t)n, (uint32_t)nparts, 0, 0, NULL};
+    sg_draw d = {.kind = SG_DRAW_SIMPLEX, .nuniforms = (uint32_t)n, .nvalues = (uint32_t)nparts};
     const sg_status st = sg_simplex_create(b->arena, nparts, sizes->mean->values, covariance, &d.simplex, b->err);
     if (st == SG_ENUMERIC)
         return FAIL(b, sizes->at, "the covariance of the sizes is not positive definite");

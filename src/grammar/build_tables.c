@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* build_tables.c - what can be said once about each rule so that searches need not find it out again and again. */
+/* build_tables.c - what can be said once about each rule and symbol so that searches need not find it out again and again. */
 #include "config.h"
 
 #include "grammar/build_priv.h"
+
+#include <math.h>
 
 static bool is_draw(sg_operand o, uint32_t nparams)
 {
@@ -47,8 +49,37 @@ static sg_status list_children(sg_builder *b, sg_rule *r)
     return SG_OK;
 }
 
+/* Sums of probabilities; from the last rule that is possible on they are infinite, for rounding may leave the sum below 1. */
+static sg_status sum_probabilities(sg_builder *b, sg_symbol *s)
+{
+    double *sums = SG_NEW_ARRAY(b->arena, double, s->nrules), sum = 0;
+    if (sums == NULL)
+        return sg_build_fail_nomem(b);
+    for (uint32_t i = 0; i < s->nrules; i++)
+        sums[i] = sum += b->rules[s->first_rule + i].probability;
+    for (uint32_t i = s->nrules; i-- > 0;) {
+        sums[i] = INFINITY;
+        if (b->rules[s->first_rule + i].probability > 0)
+            break;
+    }
+    s->cumulative = sums;
+    return SG_OK;
+}
+
+static sg_status tabulate_symbol(sg_builder *b, sg_symbol *s)
+{
+    if (!s->constant_weights)
+        return SG_OK;
+    const sg_rule *r = &b->rules[s->first_rule];
+    s->leaf = s->nrules == 1 && s->nparams == 0 && r->ndraws == 0 && r->nchildren == 0 && !r->has_repeat;
+    return sum_probabilities(b, s);
+}
+
 sg_status sg_build_tables(sg_builder *b)
 {
+    for (size_t i = 0; i < b->nsymbols; i++)
+        if (b->symbols[i].kind == SG_SYMBOL_NONTERMINAL)
+            SG_TRY(tabulate_symbol(b, &b->symbols[i]));
     for (size_t i = 0; i < b->nrules; i++) {
         b->rules[i].draws_passed = passes_draws(b, &b->rules[i]);
         if (!b->rules[i].has_repeat)

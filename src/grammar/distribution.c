@@ -4,6 +4,7 @@
 
 #include "grammar/distribution_priv.h"
 #include "grammar/grammar_priv.h"
+#include "grammar/normal.h"
 #include "grammar/simplex_priv.h"
 #include "grammar/truncated.h"
 
@@ -81,6 +82,9 @@ static sg_status evaluate(const sg_grammar *g, const sg_draw *d, const double *f
 {
     a->many = NULL;
     a->n = d->nargs;
+    a->v = d->constants;
+    if (d->constants != NULL) /* they were looked at when the grammar was made */
+        return SG_OK;
     if (d->nargs > FEW && (a->many = malloc(d->nargs * sizeof *a->many)) == NULL)
         return SG_FAIL_NOMEM(err);
     double *v = a->many != NULL ? a->many : a->few;
@@ -128,6 +132,12 @@ static double middle(const arguments *a, uint32_t stride, uint32_t component)
     return (before + a->v[component] / 2) / total_weight(a, stride);
 }
 
+static double standard_quantile(double u)
+{
+    const double below = sg_uniform_plain(u);
+    return sg_normal_quantile(below, 1 - below);
+}
+
 sg_status sg_draw_transform(const sg_grammar *g, const sg_draw *d, const double *frame, double depth, const double *u,
                             double *value, sg_error *err)
 {
@@ -143,14 +153,14 @@ sg_status sg_draw_transform(const sg_grammar *g, const sg_draw *d, const double 
         *value = a.v[0] + sg_uniform_plain(u[0]) * (a.v[1] - a.v[0]);
         break;
     case SG_DRAW_NORMAL:
-        *value = a.v[0] + a.v[1] * gsl_cdf_ugaussian_Pinv(sg_uniform_plain(u[0]));
+        *value = a.v[0] + a.v[1] * standard_quantile(u[0]);
         break;
     case SG_DRAW_TRUNCATED_NORMAL:
         *value = sg_truncated_quantile(a.v[0], a.v[1], a.v[2], a.v[3], sg_uniform_plain(u[0]));
         break;
     case SG_DRAW_MIXTURE:
         i = pick(&a, 3, sg_uniform_plain(u[0]));
-        *value = a.v[i + 1] + a.v[i + 2] * gsl_cdf_ugaussian_Pinv(sg_uniform_plain(u[1]));
+        *value = a.v[i + 1] + a.v[i + 2] * standard_quantile(u[1]);
         break;
     case SG_DRAW_DISCRETE:
         *value = a.v[pick(&a, 2, sg_uniform_plain(u[0])) + 1];

@@ -32,6 +32,7 @@ typedef struct {
     const char *name; /* NULL when anonymous */
     uint32_t nargs;
     const sg_expr *args;   /* over the parameters and the draws before this one */
+    const double *constants; /* [nargs] their values when they depend on neither, else NULL */
     uint32_t nuniforms;
     uint32_t nvalues;
     uint32_t first_uniform; /* among the uniforms of the node */

@@ -40,6 +40,8 @@ typedef struct {
     uint32_t nrules;             /* completion rule not counted */
     sg_rule_id completion;       /* rule used at the depth limit, or SG_NONE (then the empty body) */
     bool constant_weights;       /* no guard, and no weight depends on a parameter: sg_rule.probability holds */
+    const double *cumulative;    /* [nrules] with constant_weights: the first that is greater than a uniform is the rule */
+    bool leaf;                   /* its one rule has neither guard, draws, children nor parameters: nothing to choose or draw */
     uint32_t color;              /* 0xRRGGBB, labels only */
     uint32_t line;               /* of the definition, 0 when there was no file */
 } sg_symbol;

@@ -333,3 +333,19 @@ sg_status sg_placer_place_frame(sg_placer *p, const sg_derivation *d, size_t nod
     SG_TRY(find_children(&b));
     return place_block(&b, 0, b.r->nops, rect, true);
 }
+
+sg_status sg_placer_constant_ends(const sg_grammar *g, const sg_rule *r, const sg_op *split, double *ends)
+{
+    const sg_derivation d = {.grammar = g};
+    const sg_node n = {.symbol = r->lhs};
+    body b = {.d = &d, .n = &n, .r = r};
+    const sg_op *part = split + 1;
+    split_sums sums;
+    SG_TRY(sum_parts(&b, split, 1, &sums));
+    double sum = 0;
+    for (uint32_t k = 0; k < split->nparts; k++, part += part->length) {
+        sum += share_of(&b, split, part, 1, &sums, NULL);
+        ends[k] = k + 1 == split->nparts ? 1 : sg_placer_share(sum);
+    }
+    return SG_OK;
+}

@@ -57,6 +57,10 @@ sg_status sg_placer_place(sg_placer *p, const sg_derivation *d, size_t node, sg_
 /** The same with another frame (arguments and draw values) than the node's own. */
 sg_status sg_placer_place_frame(sg_placer *p, const sg_derivation *d, size_t node, const double *frame, sg_rect rect,
                                 sg_error *err);
+/** Where the parts of a split with constant sizes, none of them absolute, end, as shares of any scope.
+ *  @param ends  out [parts], in the order of the body
+ *  @return SG_OK, SG_ENUMERIC */
+sg_status sg_placer_constant_ends(const sg_grammar *g, const sg_rule *r, const sg_op *split, double *ends);
 /** Turn items from `first` to the end around, so that the first one is on top of the stack. */
 void sg_placer_reverse(sg_placer *p, size_t first);
 /** Put a place of the owner's own in at `at`. @return SG_OK, SG_ENOMEM */

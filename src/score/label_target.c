@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* label_target.c - integral images of label costs. */
+/* label_target.c - targets: integral images of label costs. */
 #include "score/label_score_priv.h"
 
 #include <math.h>
@@ -106,6 +106,7 @@ static sg_status fill_target(const sg_float_map *costs, const uint32_t *channel,
     if (t->channel == NULL)
         return SG_FAIL_NOMEM(err);
     SG_TRY(find_planes(t->g, costs, channel, t->channel, &planes, err));
+    SG_TRY(sg_label_plans_create(t, err));
     return sum_costs(&planes, costs->width, costs->height, &t->image, err);
 }
 
@@ -121,6 +122,7 @@ sg_status sg_label_score_create(const sg_grammar *g, const sg_float_map *costs, 
         return SG_FAIL_NOMEM(err);
     t->score.ops = &sg_label_score_ops;
     t->g = g;
+    t->tied = sg_grammar_tied(g);
     t->nats = weight / SG_LABEL_UNITS_PER_NAT;
     const sg_status st = fill_target(costs, channel, t, err);
     if (st != SG_OK)
@@ -133,6 +135,7 @@ sg_status sg_label_score_create(const sg_grammar *g, const sg_float_map *costs, 
 void sg_label_target_free(sg_score *target)
 {
     sg_label_target *t = (sg_label_target *)target;
+    sg_label_plans_clear(&t->plans);
     free(t->channel);
     free(t->image.sums);
     free(t);

@@ -48,7 +48,7 @@ cmp -s "$work/a/haussmann-0002.json" "$work/e/haussmann-0002.json" || fail "a sa
 [ "$(find "$work/e" -type f | wc -l)" -eq 4 ] || fail "formats that were not asked for"
 
 # The data set layout.
-for grammar in arcade office haussmann; do
+for grammar in arcade ecp office haussmann; do
     expect 0 "$sample" "$grammars/$grammar.sg" -n 2 -o "$work/set-$grammar" --dataset --name "x"
     (cd "$work/set-$grammar" && find . -type f | sort | tr '\n' ' ') >"$work/list"
     [ "$(cat "$work/list")" = "./classes.tsv ./labels/x-0001.png ./labels/x-0002.png " ] || fail "data set: $(cat "$work/list")"

@@ -8,15 +8,17 @@
 typedef struct {
     philox4x32_key_t key;
     philox4x32_ctr_t counter;
-    philox4x32_ctr_t block; /* the last four words made */
+    philox4x32_ctr_t block; /* four words */
+    philox4x32_ctr_t ahead; /* the four behind them, made while others work with these */
     unsigned next;          /* first unused word of block; 4 when none is left */
 } philox_state;
 
 static void next_block(philox_state *s)
 {
-    s->block = philox4x32(s->counter, s->key);
-    s->counter.v[0]++;
+    s->block = s->ahead;
     s->next = 0;
+    s->ahead = philox4x32(s->counter, s->key);
+    s->counter.v[0]++;
 }
 
 static unsigned long philox_get(void *vstate)
@@ -40,6 +42,8 @@ static void set_stream(philox_state *s, uint64_t seed, uint32_t chain, uint64_t 
     s->counter.v[1] = chain;
     s->counter.v[2] = (uint32_t)iteration;
     s->counter.v[3] = (uint32_t)(iteration >> 32);
+    s->ahead = philox4x32(s->counter, s->key);
+    s->counter.v[0] = 1;
     s->next = 4;
 }
 

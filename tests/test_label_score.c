@@ -10,6 +10,14 @@
 #include <math.h>
 #include <string.h>
 
+void *__real_aligned_alloc(size_t alignment, size_t n);
+void *__wrap_aligned_alloc(size_t alignment, size_t n);
+
+void *__wrap_aligned_alloc(size_t alignment, size_t n)
+{
+    return test_allocations++ == test_fail_at ? NULL : __real_aligned_alloc(alignment, n);
+}
+
 #define UNITS_PER_NAT 268435456.0 /* as label_score_priv.h: the oracle rounds each pixel's cost by itself */
 
 

@@ -44,8 +44,9 @@ static inline double sg_placer_share(double sum)
  *  at both ends, and equal shares give equal coordinates. */
 static inline double sg_placer_cut(double from, double to, double share)
 {
+    const double low = from < to ? from : to, high = from < to ? to : from;
     const double at = share >= 1 ? to : from + share * (to - from);
-    return from <= to ? (at < to ? at : to) : (at > to ? at : to);
+    return at < low ? low : at > high ? high : at;
 }
 
 void sg_placer_clear(sg_placer *p);

@@ -24,132 +24,124 @@ bool sg_label_table_reserve(sg_label_table *t, size_t nodes, size_t spots, bool 
            (!tied || SG_GROW(t->first, t->first_capacity, nodes + 1));
 }
 
-/* ---- sums ---- */
+/* ---- labels ---- */
 
-static int64_t sum_spot(const sg_label_sums *s, uint32_t channel, const sg_label_spot *p)
+static inline int64_t sum_spot(const sg_label_sums *s, uint32_t channel, const int32_t *px)
 {
-    const size_t row = s->width + 1;
-    const int64_t *const top = s->sums + channel + (size_t)p->y0 * row * s->channels;
-    const int64_t *const bottom = s->sums + channel + (size_t)p->y1 * row * s->channels;
-    const size_t left = (size_t)p->x0 * s->channels, right = (size_t)p->x1 * s->channels;
+    const int64_t *const bottom = s->sums + channel + (size_t)px[SG_BOTTOM] * s->row;
+    const int64_t *const top = s->sums + channel + (size_t)px[SG_TOP] * s->row;
+    const size_t left = (size_t)px[SG_LEFT] * s->channels, right = (size_t)px[SG_RIGHT] * s->channels;
     return bottom[right] - bottom[left] - (top[right] - top[left]);
 }
 
-static sg_status place_label(sg_label_placing *w, const sg_label_plan *p, size_t node)
+void sg_label_place_label(sg_label_placing *w, size_t node)
 {
+    const uint32_t channel = sg_label_plan_of(w->t, w->d, node)->channel;
     const size_t first = sg_label_spot_of(w, node), end = first + sg_label_spots_of(w, node);
     for (size_t i = first; i < end; i++)
-        w->sum += w->to->sums[i] = sum_spot(&w->t->image, p->channel, w->to->spots + i);
-    w->places += end - first;
-    return w->sum > w->most ? SG_ENUMERIC : SG_OK;
+        w->sum += w->to->sums[i] = sum_spot(&w->t->image, channel, w->to->spots[i].px);
 }
 
 /* ---- splits ---- */
 
-/* Walks along a split from part to part. */
-typedef struct {
-    const double *sizes, *ends; /* one of them is NULL */
-    double from, to;            /* the scope: where shares 0 and 1 lie */
-    uint32_t k, n;
-    double sum;
-    sg_label_spot spot; /* of the part */
-    bool y;
-} cutter;
-
-static cutter cutter_of(const sg_label_target *t, const sg_label_plan *p, const double *draws, const sg_label_spot *s)
-{
-    return (cutter){.sizes = p->drawn ? draws + p->first : NULL,
-                    .ends = p->drawn ? NULL : t->plans.ends + p->first,
-                    .from = p->y ? s->at.y1 : s->at.x0,
-                    .to = p->y ? s->at.y0 : s->at.x1,
-                    .n = p->n,
-                    .spot = *s,
-                    .y = p->y};
-}
-
-/* Move to the first part. */
-static inline void cut_first(cutter *c)
-{
-    if (c->y) {
-        c->spot.at.y0 = c->spot.at.y1;
-        c->spot.y0 = c->spot.y1;
-    } else {
-        c->spot.at.x1 = c->spot.at.x0;
-        c->spot.x1 = c->spot.x0;
-    }
-}
-
-/* The spot of the next part. */
-static inline const sg_label_spot *cut_next(cutter *c)
-{
-    double share = 1;
-    if (c->ends != NULL)
-        share = c->ends[c->k];
-    else if (c->k + 1 < c->n)
-        share = sg_placer_share(c->sum += c->sizes[c->k]);
-    c->k++;
-    const double at = sg_placer_cut(c->from, c->to, share);
-    if (c->y) {
-        c->spot.at.y1 = c->spot.at.y0;
-        c->spot.y1 = c->spot.y0;
-        c->spot.at.y0 = at;
-        c->spot.y0 = sg_label_pixel(at);
-    } else {
-        c->spot.at.x0 = c->spot.at.x1;
-        c->spot.x0 = c->spot.x1;
-        c->spot.at.x1 = at;
-        c->spot.x1 = sg_label_pixel(at);
-    }
-    return &c->spot;
-}
-
-static sg_status place_split(sg_label_placing *w, const sg_label_plan *p, size_t node, const double *draws)
+static inline sg_status place_split(sg_label_placing *w, const sg_label_plan *p, size_t node, const double *draws)
 {
     const sg_node *nodes = w->d->nodes;
     sg_label_spot *const spots = w->to->spots;
+    int64_t *const sums = w->to->sums, sum = 0;
+    sg_label_walk walk = sg_label_walk_of(w->t, p, draws, spots + (node - w->base));
     const size_t end = node + nodes[node].length;
-    cutter c = cutter_of(w->t, p, draws, spots + (node - w->base));
-    w->to->sums[node - w->base] = 0;
-    cut_first(&c);
     size_t child = node + 1;
-    for (; c.k < c.n && child < end; child += nodes[child].length)
-        spots[child - w->base] = *cut_next(&c);
-    return c.k == c.n && child == end ? SG_OK : SG_ENUMERIC;
+    sums[node - w->base] = 0;
+    for (; walk.k < walk.n && child < end; child += nodes[child].length) {
+        const sg_label_plan *part = sg_label_plan_of(w->t, w->d, child);
+        sum += sums[child - w->base] =
+            sg_label_walk_to(&walk, sg_label_walk_end(&walk), part, spots + (child - w->base));
+    }
+    w->sum += sum;
+    return walk.k == walk.n && child == end && w->sum <= w->most ? SG_OK : SG_ENUMERIC;
 }
 
-static size_t *numbers(sg_label_placing *w, size_t n)
+bool sg_label_list_children(sg_label_placing *w, const sg_label_plan *p, size_t node)
 {
+    const sg_label_part *const parts = w->t->plans.parts + p->part;
     sg_label_scratch *s = w->scratch;
-    return SG_GROW(s->numbers, s->numbers_capacity, n) ? s->numbers : NULL;
+    size_t child = node + 1;
+    if (p->n > s->children_capacity && !SG_GROW(s->children, s->children_capacity, p->n))
+        return false;
+    for (uint32_t k = 0; k < p->n; k++)
+        if (parts[k].copy == 0) {
+            s->children[parts[k].child] = (sg_label_child){child, sg_label_spot_of(w, child),
+                                                           sg_label_plan_of(w->t, w->d, child), SG_SAME};
+            child += w->d->nodes[child].length;
+        }
+    return true;
+}
+
+/* Occurrence i of a node, whose own spot is number `own`. */
+static void place_tied_parts(sg_label_placing *w, const sg_label_plan *p, size_t own, size_t i, const double *draws)
+{
+    const sg_label_part *const parts = w->t->plans.parts + p->part;
+    const sg_label_child *const children = w->scratch->children;
+    int64_t sum = 0;
+    sg_label_walk walk = sg_label_walk_of(w->t, p, draws, w->to->spots + own);
+    for (const sg_label_part *q = parts; q < parts + p->n; q++) {
+        const sg_label_child *c = children + q->child;
+        const size_t spot = c->spot + i * q->copies + q->copy;
+        sum += w->to->sums[spot] = sg_label_walk_to(&walk, sg_label_walk_end(&walk), c->plan, w->to->spots + spot);
+    }
+    w->sum += sum;
+}
+
+static bool stays(const sg_label_placing *w, size_t spot)
+{
+    const double *const now = w->now->spots[w->base + spot].at, *const next = w->to->spots[spot].at;
+    return now[0] == next[0] && now[1] == next[1] && now[2] == next[2] && now[3] == next[3];
+}
+
+/* The same, when the node's spot is where it was. */
+static void copy_tied_parts(sg_label_placing *w, const sg_label_plan *p, size_t i)
+{
+    const sg_label_part *const parts = w->t->plans.parts + p->part;
+    const sg_label_child *const children = w->scratch->children;
+    for (const sg_label_part *q = parts; q < parts + p->n; q++) {
+        const size_t spot = children[q->child].spot + i * q->copies + q->copy;
+        w->to->spots[spot] = w->now->spots[w->base + spot];
+        w->to->sums[spot] = children[q->child].plan->kind == SG_PLAN_LABEL ? w->now->sums[w->base + spot] : 0;
+        w->sum += w->to->sums[spot];
+    }
 }
 
 static sg_status place_tied_split(sg_label_placing *w, const sg_label_plan *p, size_t node, const double *draws)
 {
-    const sg_label_part *parts = w->t->plans.parts + p->part;
     const size_t own = sg_label_spot_of(w, node), n = sg_label_spots_of(w, node);
-    size_t child = node + 1, *const spot_of = numbers(w, p->n);
-    if (spot_of == NULL)
+    if (!sg_label_list_children(w, p, node))
         return SG_ENOMEM;
-    for (uint32_t k = 0; k < p->n; k++)
-        if (parts[k].copy == 0) {
-            spot_of[parts[k].child] = sg_label_spot_of(w, child);
-            child += w->d->nodes[child].length;
-        }
-    for (size_t i = 0; i < n; i++) {
-        cutter c = cutter_of(w->t, p, draws, w->to->spots + own + i);
-        w->to->sums[own + i] = 0;
-        cut_first(&c);
-        for (const sg_label_part *part = parts; part < parts + p->n; part++)
-            w->to->spots[spot_of[part->child] + i * part->copies + part->copy] = *cut_next(&c);
-    }
-    return SG_OK;
+    for (size_t i = 0; i < n; i++)
+        if (w->now != NULL && stays(w, own + i))
+            copy_tied_parts(w, p, i);
+        else
+            place_tied_parts(w, p, own + i, i, draws);
+    return w->sum <= w->most ? SG_OK : SG_ENUMERIC;
 }
 
 /* ---- other bodies ---- */
 
 static sg_label_spot spot_at(sg_rect r)
 {
-    return (sg_label_spot){r, sg_label_pixel(r.x0), sg_label_pixel(r.y0), sg_label_pixel(r.x1), sg_label_pixel(r.y1)};
+    return (sg_label_spot){{r.x0, r.x1, r.y1, r.y0},
+                           {sg_label_pixel(r.x0), sg_label_pixel(r.x1), sg_label_pixel(r.y1), sg_label_pixel(r.y0)}};
+}
+
+static sg_rect rect_of(const sg_label_spot *s)
+{
+    return (sg_rect){s->at[SG_LEFT], s->at[SG_TOP], s->at[SG_RIGHT], s->at[SG_BOTTOM]};
+}
+
+static size_t *numbers(sg_label_placing *w, size_t n)
+{
+    sg_label_scratch *s = w->scratch;
+    return SG_GROW(s->numbers, s->numbers_capacity, n) ? s->numbers : NULL;
 }
 
 /* Copies of the child in one occurrence of its parent, which has n. */
@@ -166,14 +158,18 @@ static sg_status take_places(sg_label_placing *w, size_t node, size_t i, size_t 
     for (const sg_place *p = placer->items; p < placer->items + placer->n; p++) {
         const sg_label_spot spot = spot_at(p->rect);
         if (p->label != SG_NONE) {
-            sum += sum_spot(&w->t->image, w->t->channel[p->label], &spot);
-            w->places++;
+            sum += sum_spot(&w->t->image, w->t->channel[p->label], spot.px);
+            w->labels++;
             continue;
         }
         const size_t copies = copies_of(w, p->node, n), copy = seen[p->node - node]++;
         if (copy >= copies)
             return SG_ENUMERIC;
-        w->to->spots[sg_label_spot_of(w, p->node) + i * copies + copy] = spot;
+        const sg_label_plan *child = sg_label_plan_of(w->t, w->d, p->node);
+        const size_t at = sg_label_spot_of(w, p->node) + i * copies + copy;
+        w->to->spots[at] = spot;
+        w->to->sums[at] = child->kind == SG_PLAN_LABEL ? sum_spot(&w->t->image, child->channel, spot.px) : 0;
+        w->sum += w->to->sums[at];
     }
     w->to->sums[sg_label_spot_of(w, node) + i] = sum;
     w->sum += sum;
@@ -188,7 +184,7 @@ static sg_status place_general(sg_label_placing *w, size_t node, const double *f
     if (seen == NULL)
         return SG_ENOMEM;
     for (size_t i = 0; i < n; i++) {
-        const sg_rect at = w->to->spots[sg_label_spot_of(w, node) + i].at;
+        const sg_rect at = rect_of(w->to->spots + sg_label_spot_of(w, node) + i);
         memset(seen, 0, (end - node) * sizeof *seen);
         sg_placer_reset(placer);
         SG_TRY(sg_placer_place_frame(placer, w->d, node, frame, at, NULL));
@@ -202,35 +198,38 @@ static sg_status place_general(sg_label_placing *w, size_t node, const double *f
 
 /* ---- trees ---- */
 
-static sg_status place_nothing(sg_label_placing *w, size_t node)
-{
-    memset(w->to->sums + sg_label_spot_of(w, node), 0, sg_label_spots_of(w, node) * sizeof *w->to->sums);
-    return SG_OK;
-}
-
 sg_status sg_label_place_body(sg_label_placing *w, size_t node, const double *frame)
 {
     const sg_label_plan *p = sg_label_plan_of(w->t, w->d, node);
     switch ((sg_plan_kind)p->kind) {
-    case SG_PLAN_LABEL:
-        return place_label(w, p, node);
     case SG_PLAN_SPLIT:
-        return (w->first != NULL ? place_tied_split : place_split)(w, p, node, frame + p->nparams);
+        return w->first != NULL ? place_tied_split(w, p, node, frame + p->nparams)
+                                : place_split(w, p, node, frame + p->nparams);
     case SG_PLAN_BODY:
         return place_general(w, node, frame);
+    case SG_PLAN_LABEL: /* its parent has summed it */
     case SG_PLAN_OPEN:
-        return place_nothing(w, node);
+        return SG_OK;
     case SG_PLAN_HOLE:
         break;
     }
     return SG_ENUMERIC;
 }
 
+/* The usual cases stand in the loop itself. */
 sg_status sg_label_place_nodes(sg_label_placing *w, size_t first, size_t end)
 {
-    for (size_t node = first; node < end; node++)
-        SG_TRY(sg_label_place_body(w, node, w->d->values + w->d->nodes[node].values));
-    w->places += sg_label_spot_of(w, end) - sg_label_spot_of(w, first);
+    const sg_node *const nodes = w->d->nodes;
+    for (size_t node = first; node < end; node++) {
+        const sg_label_plan *p = sg_label_plan_of(w->t, w->d, node);
+        const double *frame = w->d->values + nodes[node].values;
+        if (p->kind == SG_PLAN_LABEL)
+            continue;
+        if (p->kind == SG_PLAN_SPLIT && w->first == NULL)
+            SG_TRY(place_split(w, p, node, frame + p->nparams));
+        else
+            SG_TRY(sg_label_place_body(w, node, frame));
+    }
     return SG_OK;
 }
 

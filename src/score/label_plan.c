@@ -5,6 +5,8 @@
 
 #include <stdlib.h>
 
+enum { BOTH = 3 }; /* axes that are cut */
+
 void sg_label_plans_clear(sg_label_plans *p)
 {
     free(p->rules);
@@ -71,8 +73,8 @@ static sg_status plan_split(sg_label_target *t, const sg_rule *r, sg_label_plan 
     const bool unit = split->kind == SG_OP_SUCCESSOR;
     plan->n = unit ? 1 : split->nparts;
     plan->nparams = sg_grammar_symbol(t->g, r->lhs)->nparams;
-    plan->y = !unit && split->axis == SG_AXIS_Y;
-    plan->cuts = plan->n == 1 ? 0 : plan->y ? SG_CUTS_Y : SG_CUTS_X;
+    plan->axis = !unit && split->axis == SG_AXIS_Y;
+    plan->cuts = plan->n == 1 ? 0 : (uint8_t)(1 << plan->axis);
     plan->drawn = !unit && split[1].size == SG_SIZE_DRAWN;
     if (plan->drawn) {
         plan->first = r->draws[split->draw].first_value;
@@ -83,7 +85,7 @@ static sg_status plan_split(sg_label_target *t, const sg_rule *r, sg_label_plan 
         plan->first = (uint32_t)(ends - t->plans.ends);
         ends[0] = 1;
         if (!unit && sg_placer_constant_ends(t->g, r, split, ends) != SG_OK) {
-            *plan = (sg_label_plan){.kind = SG_PLAN_BODY, .cuts = SG_CUTS_X | SG_CUTS_Y};
+            *plan = (sg_label_plan){.kind = SG_PLAN_BODY, .cuts = BOTH};
             return SG_OK; /* it fails wherever it is placed */
         }
     }
@@ -93,7 +95,7 @@ static sg_status plan_split(sg_label_target *t, const sg_rule *r, sg_label_plan 
 
 static sg_status plan_rule(sg_label_target *t, const sg_rule *r, sg_label_plan *plan, sg_error *err)
 {
-    *plan = (sg_label_plan){.kind = SG_PLAN_BODY, .cuts = SG_CUTS_X | SG_CUTS_Y};
+    *plan = (sg_label_plan){.kind = SG_PLAN_BODY, .cuts = BOTH};
     if (r->nops == 1 && r->ops[0].kind == SG_OP_SUCCESSOR && r->ops[0].child == SG_NONE)
         *plan = (sg_label_plan){.kind = SG_PLAN_LABEL, .channel = t->channel[r->ops[0].symbol]};
     else if (r->nops > 0 && ((r->nops == 1 && is_child(r->ops)) || is_flat_split(t->g, r)))

@@ -13,47 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum {
-    SAME,
-    SLID,  /* by less than a pixel: sums hold */
-    MOVED, /* placed anew */
-} motion;
-
-/* A subtree: nodes first..end-1. */
-typedef struct {
-    size_t first, end;
-    motion motion;
-} moved_range;
-
-typedef enum { NOTHING, WHOLE, SLICE, VALUES } pending_kind;
-
-typedef struct {
-    sg_score_state state; /* first */
-    sg_label_table now;   /* where it stands */
-    int64_t sum;
-    size_t places; /* no fewer than the scene has */
-    bool stands;   /* at a derivation that is a label scene */
-    sg_label_table next; /* what is proposed: all of it, a slice, or the node's subtree with holes */
-    int64_t next_sum;
-    size_t next_places;
-    pending_kind pending;
-    const sg_change *change;
-    moved_range *ranges;
-    size_t nranges, ranges_capacity;
-    double *frame; /* [frame size of the grammar] */
-    sg_label_scratch scratch;
-    sg_derivation whole;
-} label_state;
-
-static const sg_label_target *target_of(const label_state *s)
-{
-    return (const sg_label_target *)s->state.target;
-}
-
 static sg_status create_state(const sg_score *target, sg_score_state **out, sg_error *err)
 {
     const sg_grammar *g = ((const sg_label_target *)target)->g;
-    label_state *s = calloc(1, sizeof *s);
+    sg_label_state *s = calloc(1, sizeof *s);
     double *frame = calloc(sg_grammar_frame_size(g) + 1, sizeof *frame);
     if (s == NULL || frame == NULL) {
         free(s);
@@ -69,12 +32,13 @@ static sg_status create_state(const sg_score *target, sg_score_state **out, sg_e
 
 static void destroy_state(sg_score_state *state)
 {
-    label_state *s = (label_state *)state;
+    sg_label_state *s = (sg_label_state *)state;
     sg_label_table_clear(&s->now);
     sg_label_table_clear(&s->next);
     sg_placer_clear(&s->scratch.placer);
     sg_derivation_clear(&s->whole);
     free(s->scratch.list.items);
+    free(s->scratch.children);
     free(s->scratch.numbers);
     free(s->ranges);
     free(s->frame);
@@ -102,15 +66,10 @@ static int64_t most_of(const sg_label_target *t, double floor)
 
 /* ---- placing ---- */
 
-static sg_label_placing placing_of(label_state *s, const sg_derivation *d, const uint32_t *first, size_t base)
+sg_label_placing sg_label_placing_of(sg_label_state *s, const sg_derivation *d)
 {
-    return (sg_label_placing){.t = target_of(s),
-                              .d = d,
-                              .to = &s->next,
-                              .first = first,
-                              .base = base,
-                              .most = INT64_MAX,
-                              .scratch = &s->scratch};
+    return (sg_label_placing){
+        .t = sg_label_target_of(s), .d = d, .to = &s->next, .most = INT64_MAX, .scratch = &s->scratch};
 }
 
 /* Place w->d in n spots beside the tree. */
@@ -128,25 +87,46 @@ static sg_status place_tree(sg_label_placing *w, const sg_label_spot *spots, siz
     if (!sg_label_table_reserve(to, to->nnodes, to->nspots, w->t->tied))
         return SG_ENOMEM;
     memcpy(to->spots, spots, n * sizeof *spots);
+    memset(to->sums, 0, n * sizeof *to->sums);
+    if (sg_label_plan_of(w->t, w->d, 0)->kind == SG_PLAN_LABEL)
+        sg_label_place_label(w, 0);
     return sg_label_place_nodes(w, 0, to->nnodes);
 }
 
-/* A whole derivation, from scratch. */
-static sg_status place_whole(label_state *s, const sg_derivation *d)
+/* Places of what was placed, its root among them: a label stands in each spot of a lexical node, too. */
+static size_t count_places(const sg_label_placing *w)
 {
-    const sg_label_target *t = target_of(s);
+    size_t places = w->to->nspots + w->labels;
+    for (size_t node = 0; node < w->d->nnodes; node++)
+        if (sg_label_plan_of(w->t, w->d, node)->kind == SG_PLAN_LABEL)
+            places += sg_label_spots_of(w, node);
+    return places;
+}
+
+/* The same or more, quickly. */
+static size_t bound_places(const sg_label_placing *w)
+{
+    return 2 * w->to->nspots + w->labels;
+}
+
+/* A whole derivation, from scratch. */
+static sg_status place_whole(sg_label_state *s, const sg_derivation *d)
+{
+    const sg_label_target *t = sg_label_target_of(s);
     const int32_t width = (int32_t)t->image.width, height = (int32_t)t->image.height;
-    const sg_label_spot spot = {{0, 0, width, height}, 0, 0, width, height};
-    sg_label_placing w = placing_of(s, d, NULL, 0);
+    const sg_label_spot spot = {{0, width, height, 0}, {0, width, height, 0}};
+    sg_label_placing w = sg_label_placing_of(s, d);
     if (d->nnodes == 0)
         return SG_ENUMERIC;
     SG_TRY(place_tree(&w, &spot, 1));
     s->next_sum = w.sum;
-    s->next_places = w.places - 1; /* the root is there already */
+    s->next_places = bound_places(&w);
+    if (s->next_places > SG_LABEL_SCENE_MAX_PLACES)
+        s->next_places = count_places(&w) - 1; /* the root is not placed by a body */
     return s->next_places <= SG_LABEL_SCENE_MAX_PLACES ? SG_OK : SG_ENUMERIC;
 }
 
-static void stand_at_next(label_state *s)
+static void stand_at_next(sg_label_state *s)
 {
     const sg_label_table swap = s->now;
     s->now = s->next;
@@ -157,10 +137,10 @@ static void stand_at_next(label_state *s)
 
 static sg_status evaluate(sg_score_state *state, const sg_derivation *d, sg_score_value *out, sg_error *err)
 {
-    label_state *s = (label_state *)state;
-    if (d->grammar != target_of(s)->g)
+    sg_label_state *s = (sg_label_state *)state;
+    if (d->grammar != sg_label_target_of(s)->g)
         return SG_FAIL(err, SG_EINVAL, "the score was made for another grammar");
-    s->pending = NOTHING;
+    s->pending = SG_PENDING_NONE;
     const sg_status st = place_whole(s, d);
     if (st == SG_ENOMEM)
         return SG_FAIL_NOMEM(err);
@@ -169,29 +149,23 @@ static sg_status evaluate(sg_score_state *state, const sg_derivation *d, sg_scor
     if (st == SG_OK) {
         stand_at_next(s);
         s->sum = s->next_sum;
-        set_value(target_of(s), s->sum, out);
+        set_value(sg_label_target_of(s), s->sum, out);
     }
     return SG_OK;
 }
 
 /* ---- proposals ---- */
 
-static size_t first_spot(const label_state *s, size_t node)
-{
-    return target_of(s)->tied ? s->now.first[node] : node;
-}
-
-/* Sum over the spots of nodes first..end-1. */
-static int64_t sum_of(const label_state *s, size_t first, size_t end)
+int64_t sg_label_sum_nodes(const sg_label_state *s, size_t first, size_t end)
 {
     int64_t sum = 0;
-    for (size_t i = first_spot(s, first), n = first_spot(s, end); i < n; i++)
+    for (size_t i = sg_label_first_spot(s, first), n = sg_label_first_spot(s, end); i < n; i++)
         sum += s->now.sums[i];
     return sum;
 }
 
 /* The changed derivation from scratch: where there is nothing to start from. */
-static sg_status propose_whole(label_state *s, const sg_change *c)
+static sg_status propose_whole(sg_label_state *s, const sg_change *c)
 {
     SG_TRY(sg_derivation_copy(&s->whole, c->current, NULL));
     if (c->slice != NULL) {
@@ -203,139 +177,54 @@ static sg_status propose_whole(label_state *s, const sg_change *c)
         memcpy(s->whole.values + n->values + nparams, c->values, r->nvalues * sizeof *c->values);
     }
     SG_TRY(place_whole(s, &s->whole));
-    s->pending = WHOLE;
+    s->pending = SG_PENDING_WHOLE;
     return SG_OK;
 }
 
-static sg_status propose_slice(label_state *s, const sg_change *c, int64_t most)
+static sg_status propose_slice(sg_label_state *s, const sg_change *c, int64_t most)
 {
     const size_t end = c->node + c->current->nodes[c->node].length;
-    const size_t first = first_spot(s, c->node), behind = first_spot(s, end);
-    const size_t n = target_of(s)->tied ? s->now.first[c->node + 1] - first : 1;
-    sg_label_placing w = placing_of(s, c->slice, NULL, 0);
-    w.sum = s->sum - sum_of(s, c->node, end);
+    const size_t first = sg_label_first_spot(s, c->node), behind = sg_label_first_spot(s, end);
+    const size_t n = sg_label_target_of(s)->tied ? s->now.first[c->node + 1] - first : 1;
+    sg_label_placing w = sg_label_placing_of(s, c->slice);
+    w.sum = s->sum - sg_label_sum_nodes(s, c->node, end);
     w.most = most;
     SG_TRY(place_tree(&w, s->now.spots + first, n));
     s->next_sum = w.sum;
-    s->next_places = s->places + w.places;
+    s->next_places = s->places + bound_places(&w);
     if (s->next_places > SG_LABEL_SCENE_MAX_PLACES)
         return propose_whole(s, c); /* perhaps: places of what goes were not taken off */
     if (!sg_label_table_reserve(&s->now, s->now.nnodes - (end - c->node) + s->next.nnodes,
-                                s->now.nspots - (behind - first) + s->next.nspots, target_of(s)->tied))
+                                s->now.nspots - (behind - first) + s->next.nspots, sg_label_target_of(s)->tied))
         return SG_ENOMEM;
-    s->pending = SLICE;
-    return SG_OK;
-}
-
-static motion motion_of(const sg_label_spot *a, const sg_label_spot *b, uint8_t cuts)
-{
-    const bool x = a->at.x0 != b->at.x0 || a->at.x1 != b->at.x1, y = a->at.y0 != b->at.y0 || a->at.y1 != b->at.y1;
-    if (!x && !y)
-        return SAME;
-    const bool pixels = a->x0 == b->x0 && a->x1 == b->x1 && a->y0 == b->y0 && a->y1 == b->y1;
-    return pixels && !(x && (cuts & SG_CUTS_X)) && !(y && (cuts & SG_CUTS_Y)) ? SLID : MOVED;
-}
-
-static motion motion_of_child(const label_state *s, const sg_label_placing *w, size_t child)
-{
-    const uint8_t cuts = sg_label_plan_of(w->t, w->d, child)->cuts;
-    const sg_label_spot *now = s->now.spots + first_spot(s, child), *next = s->next.spots + sg_label_spot_of(w, child);
-    motion most = SAME;
-    for (size_t i = 0, n = sg_label_spots_of(w, child); i < n && most != MOVED; i++) {
-        const motion m = motion_of(now + i, next + i, cuts);
-        most = m > most ? m : most;
-    }
-    return most;
-}
-
-static sg_status add_range(label_state *s, size_t first, size_t end, motion m)
-{
-    if (s->nranges == s->ranges_capacity && !SG_GROW(s->ranges, s->ranges_capacity, s->nranges + 1))
-        return SG_ENOMEM;
-    s->ranges[s->nranges++] = (moved_range){first, end, m};
-    return SG_OK;
-}
-
-/* The children of the node that the new values move; the sums of those that are placed anew are taken off. */
-static sg_status find_moved(label_state *s, sg_label_placing *w, size_t node)
-{
-    const sg_node *nodes = w->d->nodes;
-    s->nranges = 0;
-    for (size_t c = node + 1, end = node + nodes[node].length; c < end; c += nodes[c].length) {
-        const motion m = motion_of_child(s, w, c);
-        if (m == SAME)
-            continue;
-        SG_TRY(add_range(s, c, c + nodes[c].length, m));
-        if (m == MOVED)
-            w->sum -= sum_of(s, c, c + nodes[c].length);
-    }
-    return SG_OK;
-}
-
-static sg_status place_moved(label_state *s, sg_label_placing *w)
-{
-    for (const moved_range *r = s->ranges; r < s->ranges + s->nranges; r++)
-        if (r->motion == MOVED)
-            SG_TRY(sg_label_place_nodes(w, r->first, r->end));
-    return SG_OK;
-}
-
-/* The frame of the node with the new values. */
-static void make_frame(label_state *s, const sg_change *c)
-{
-    const sg_derivation *d = c->current;
-    const sg_node *n = d->nodes + c->node;
-    const uint32_t nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
-    const uint32_t nvalues = n->rule < SG_RULE_EMPTY ? sg_grammar_rule(d->grammar, n->rule)->nvalues : 0;
-    for (uint32_t i = 0; i < nparams; i++)
-        s->frame[i] = d->values[n->values + i];
-    for (uint32_t i = 0; i < nvalues; i++)
-        s->frame[nparams + i] = c->values[i];
-}
-
-static sg_status propose_values(label_state *s, const sg_change *c, int64_t most)
-{
-    const size_t end = c->node + c->current->nodes[c->node].length;
-    const size_t first = first_spot(s, c->node), own = first_spot(s, c->node + 1) - first;
-    sg_label_placing w = placing_of(s, c->current, target_of(s)->tied ? s->now.first : NULL, first);
-    if (!sg_label_table_reserve(&s->next, 0, first_spot(s, end) - first, false))
-        return SG_ENOMEM;
-    memcpy(s->next.spots, s->now.spots + first, own * sizeof *s->next.spots);
-    make_frame(s, c);
-    w.sum = s->sum - sum_of(s, c->node, c->node + 1);
-    SG_TRY(sg_label_place_body(&w, c->node, s->frame));
-    SG_TRY(find_moved(s, &w, c->node));
-    w.most = most;
-    SG_TRY(place_moved(s, &w));
-    s->next_sum = w.sum;
-    s->pending = VALUES;
+    s->pending = SG_PENDING_SLICE;
     return SG_OK;
 }
 
 static sg_status propose(sg_score_state *state, const sg_change *change, double floor, sg_score_value *out,
                          sg_error *err)
 {
-    label_state *s = (label_state *)state;
-    const int64_t most = most_of(target_of(s), floor);
+    sg_label_state *s = (sg_label_state *)state;
+    const int64_t most = most_of(sg_label_target_of(s), floor);
     s->change = change;
-    s->pending = NOTHING;
+    s->pending = SG_PENDING_NONE;
     const sg_status st = !s->stands              ? propose_whole(s, change)
                          : change->slice != NULL ? propose_slice(s, change, most)
-                                                 : propose_values(s, change, most);
+                                                 : sg_label_propose_values(s, change, most);
     if (st == SG_ENOMEM)
         return SG_FAIL_NOMEM(err);
     *out = no_scene;
     if (st == SG_OK)
-        set_value(target_of(s), s->next_sum, out);
+        set_value(sg_label_target_of(s), s->next_sum, out);
     return SG_OK;
 }
 
 /* ---- commit ---- */
 
-static void splice_slice(label_state *s)
+static void splice_slice(sg_label_state *s)
 {
     const size_t node = s->change->node, end = node + s->change->current->nodes[node].length;
-    const size_t first = first_spot(s, node), behind = first_spot(s, end), tail = s->now.nspots - behind;
+    const size_t first = sg_label_first_spot(s, node), behind = sg_label_first_spot(s, end), tail = s->now.nspots - behind;
     sg_label_table *now = &s->now;
     const sg_label_table *next = &s->next;
     if (first + next->nspots != behind) {
@@ -344,7 +233,7 @@ static void splice_slice(label_state *s)
     }
     memcpy(now->spots + first, next->spots, next->nspots * sizeof *now->spots);
     memcpy(now->sums + first, next->sums, next->nspots * sizeof *now->sums);
-    if (target_of(s)->tied) {
+    if (sg_label_target_of(s)->tied) {
         uint32_t *const to = now->first + node + next->nnodes;
         memmove(to, now->first + end, (now->nnodes + 1 - end) * sizeof *to);
         for (size_t i = 0; i <= now->nnodes - end; i++)
@@ -357,75 +246,36 @@ static void splice_slice(label_state *s)
     s->places = s->next_places;
 }
 
-/* What stands below a child that slid lies along its old coordinates where nothing is cut. */
-static void mend_coordinates(label_state *s, const moved_range *r)
-{
-    const uint8_t cuts = sg_label_plan_of(target_of(s), s->change->current, r->first)->cuts;
-    const sg_label_spot *of = s->now.spots + first_spot(s, r->first);
-    const size_t n = first_spot(s, r->first + 1) - first_spot(s, r->first);
-    for (size_t node = r->first + 1; node < r->end; node++) {
-        sg_label_spot *spots = s->now.spots + first_spot(s, node);
-        const size_t copies = (first_spot(s, node + 1) - first_spot(s, node)) / n;
-        for (size_t i = 0; i < n * copies; i++) {
-            const sg_rect at = of[i / copies].at;
-            if (!(cuts & SG_CUTS_X)) {
-                spots[i].at.x0 = at.x0;
-                spots[i].at.x1 = at.x1;
-            }
-            if (!(cuts & SG_CUTS_Y)) {
-                spots[i].at.y0 = at.y0;
-                spots[i].at.y1 = at.y1;
-            }
-        }
-    }
-}
-
-static void take_moved(label_state *s)
-{
-    const size_t base = first_spot(s, s->change->node);
-    for (const moved_range *r = s->ranges; r < s->ranges + s->nranges; r++) {
-        const size_t first = first_spot(s, r->first), end = first_spot(s, r->motion == SLID ? r->first + 1 : r->end);
-        memcpy(s->now.spots + first, s->next.spots + (first - base), (end - first) * sizeof *s->now.spots);
-        if (r->motion == SLID)
-            mend_coordinates(s, r);
-        else
-            memcpy(s->now.sums + first, s->next.sums + (first - base), (end - first) * sizeof *s->now.sums);
-    }
-    /* The node's own spots stay; labels that its body places may have moved. */
-    const size_t own = first_spot(s, s->change->node + 1) - base;
-    memcpy(s->now.sums + base, s->next.sums, own * sizeof *s->now.sums);
-}
-
 static void commit(sg_score_state *state)
 {
-    label_state *s = (label_state *)state;
+    sg_label_state *s = (sg_label_state *)state;
     switch (s->pending) {
-    case NOTHING:
+    case SG_PENDING_NONE:
         return;
-    case WHOLE:
+    case SG_PENDING_WHOLE:
         stand_at_next(s);
         break;
-    case SLICE:
+    case SG_PENDING_SLICE:
         splice_slice(s);
         break;
-    case VALUES:
-        take_moved(s);
+    case SG_PENDING_VALUES:
+        sg_label_commit_values(s);
         break;
     }
     s->sum = s->next_sum;
-    s->pending = NOTHING;
+    s->pending = SG_PENDING_NONE;
 }
 
 static void rollback(sg_score_state *state)
 {
-    ((label_state *)state)->pending = NOTHING;
+    ((sg_label_state *)state)->pending = SG_PENDING_NONE;
 }
 
 static sg_status copy_state(sg_score_state *dst, const sg_score_state *src, sg_error *err)
 {
-    label_state *d = (label_state *)dst;
-    const label_state *s = (const label_state *)src;
-    const bool tied = target_of(s)->tied;
+    sg_label_state *d = (sg_label_state *)dst;
+    const sg_label_state *s = (const sg_label_state *)src;
+    const bool tied = sg_label_target_of(s)->tied;
     if (d == s)
         return SG_OK;
     if (s->stands) {
@@ -441,7 +291,7 @@ static sg_status copy_state(sg_score_state *dst, const sg_score_state *src, sg_e
     d->sum = s->sum;
     d->places = s->places;
     d->stands = s->stands;
-    d->pending = NOTHING;
+    d->pending = SG_PENDING_NONE;
     return SG_OK;
 }
 

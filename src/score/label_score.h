@@ -4,7 +4,10 @@
  * log = -weight * sum over pixels of cost(label of the pixel), where the label is that of the scene's raster
  * (label_scene.h: pixel centres decide); value = log / pixels. Sums over rectangles come from integral images in fixed
  * point, so that they are exact: what is carried over any number of changes equals what is computed from scratch to the
- * last bit. Tied siblings are scored at every occurrence. */
+ * last bit. Tied siblings are scored at every occurrence. The scope is as large as the costs, in pixels.
+ *
+ * Pixels of open nodes cost what the cheapest label does there: the log of a partial derivation is no less than that of any
+ * of its completions. */
 #ifndef SG_SCORE_LABEL_SCORE_H
 #define SG_SCORE_LABEL_SCORE_H
 

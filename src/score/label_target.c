@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 /* Nats over all pixels: 2^62 units. */
 #define MAX_NATS 17179869184.0
@@ -67,20 +68,34 @@ static int64_t units(float cost)
 static void sum_row(const plane_list *planes, size_t y, sg_label_sums *s)
 {
     int64_t left[SG_NPY_MAX_CHANNELS] = {0}, cost[SG_NPY_MAX_CHANNELS];
-    const size_t row = (s->width + 1) * s->channels;
     for (size_t x = 0; x < s->width; x++) {
         int64_t least = INT64_MAX;
         for (size_t c = 0; c < planes->n; c++) {
             cost[c] = units(planes->planes[c][y * s->width + x]);
             least = cost[c] < least ? cost[c] : least;
         }
-        int64_t *at = s->sums + (y + 1) * row + (x + 1) * s->channels;
+        int64_t *at = s->sums + (y + 1) * s->row + (x + 1) * s->channels;
         for (size_t c = 0; c < planes->n; c++) {
             left[c] += cost[c] - least;
-            at[c] = at[c - row] + left[c];
+            at[c] = at[c - s->row] + left[c];
         }
         s->base += planes->n > 0 ? least : 0;
     }
+}
+
+/* Reads are scattered over many megabytes: large pages spare most of the address translation. n is a multiple of LINE. */
+static int64_t *zeroed_sums(size_t n)
+{
+    const size_t line = LINE * sizeof(int64_t), large = (size_t)2 << 20, size = n * sizeof(int64_t);
+    const size_t alignment = size < large ? line : large;
+    int64_t *sums = aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+    if (sums == NULL)
+        return NULL;
+#ifdef MADV_HUGEPAGE
+    if (size >= large)
+        madvise(sums, size, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+#endif
+    return memset(sums, 0, size);
 }
 
 static sg_status sum_costs(const plane_list *planes, size_t width, size_t height, sg_label_sums *s, sg_error *err)
@@ -89,11 +104,10 @@ static sg_status sum_costs(const plane_list *planes, size_t width, size_t height
     s->width = width;
     s->height = height;
     s->channels = planes->n > 0 ? (planes->n + LINE - 1) / LINE * LINE : LINE;
-    const size_t n = (width + 1) * (height + 1) * s->channels; /* a multiple of the alignment */
-    s->sums = aligned_alloc(LINE * sizeof *s->sums, n * sizeof *s->sums);
+    s->row = (width + 1) * s->channels;
+    s->sums = zeroed_sums((height + 1) * s->row);
     if (s->sums == NULL)
         return SG_FAIL_NOMEM(err);
-    memset(s->sums, 0, n * sizeof *s->sums);
     for (size_t y = 0; y < height; y++)
         sum_row(planes, y, s);
     return SG_OK;

@@ -31,5 +31,14 @@ make_demo() { # BUILD-FOLDER FOLDER SEED
         --formats rgb,labels,json,svg
     run_step "rendering 14 more as photographs" "$log/rendered.txt" \
         "$build"/data/render-facades "$out/grammar.sg" -n 14 -o "$out/rendered" --seed "$seed" --quiet
+    mapfile -t held_out < <(awk -F'\t' -v folder="$data/images/" '$2 == "test" { print folder $1 ".jpg" }' "$data/folds/1.tsv" | head -n 6)
+    run_step "training a pixel classifier on the 30 photographs" "$log/unaries.txt" \
+        "$build"/parse/learn-unaries "$data" --fold 1 --trees 12 --depth 16 --pixels 60000 --seed "$seed" --quiet \
+        -o "$out/unaries.rf" --json "$out/unaries.json"
+    run_step "classifying the pixels of ${#held_out[@]} photographs not learned from" "$log/classified.txt" \
+        "$build"/parse/apply-unaries "$out/unaries.rf" "${held_out[@]}" --quiet -o "$out/unaries"
+    run_step "parsing them with the grammar" "$log/parsed.txt" \
+        "$build"/parse/parse-facade "$out/grammar.sg" -p "$out/unaries" "${held_out[@]}" --truth "$data" --seed "$seed" --quiet \
+        --json "$out/parsed.json" -o "$out/parsed"
     run_step "writing the page" "$log/page.txt" "$top"/scripts/demo-page.sh "$data" "$out"
 }

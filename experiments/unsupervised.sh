@@ -45,6 +45,7 @@ for i in $(seq 1 "${ITERATIONS:-3}"); do
     score "iteration $i: parsed by a grammar of these maps" "$out/parse$i"
     from=$out/parse$i
 done
+# shellcheck disable=SC2086
 "$build"/learn/learn-grammar "$data" --fold "$fold" --classes "$classes" ${SG_LEARN:-} --quiet -o "$out/true.sg"
 # shellcheck disable=SC2086
 "$build"/parse/parse-facade "$out/true.sg" -p "$out/unaries" $photographs ${SG_PARSE:---unary-weight 0.1} ${SG_MOVES:-} --quiet -o "$out/true"

@@ -55,12 +55,12 @@ rendered() {
 accuracies() { # KEY
     awk -v key="\"$1\":" '$1 == key && /^  "/ { sub(/,$/, "", $2); printf "%.1f\n", 100 * $2 }' "$out/parsed.json"
 }
+mapfile -t parsed < <(for file in "$out"/parsed/*.overlay.png; do basename "$file" .overlay.png; done)
 parses() {
     local name i=0 map parse
     mapfile -t map < <(accuracies map_accuracy)
     mapfile -t parse < <(accuracies accuracy)
-    for file in "$out"/parsed/*.overlay.png; do
-        name=$(basename "$file" .overlay.png)
+    for name in "${parsed[@]}"; do
         cp "$data/images/$name.jpg" "$out/parsed/$name.jpg"
         printf '<div class="row parse">\n'
         printf '<figure><img src="parsed/%s.jpg" alt="photograph %s"><figcaption>photograph</figcaption></figure>\n' "$name" "$name"
@@ -141,7 +141,7 @@ $(rendered)
 of each pixel what it may be; <code>parse-facade</code> looked for the derivation of the grammar that explains all pixels of a photograph together, by
 Markov chains that change rules and sizes (8 chains at rising temperatures, 5 runs of 100 000 iterations). The per cent are of pixels that are
 right. Uncertain is where samples of the posterior disagree. Each parse is a derivation, too, with every rectangle and the rule it
-comes from (<a href="parsed/$(basename "$(ls "$out"/parsed/*.overlay.png | head -n 1)" .overlay.png).json">the first one's</a>), and can be changed or sampled from like any other.</p>
+comes from (<a href="parsed/${parsed[0]}.json">the first one's</a>), and can be changed or sampled from like any other.</p>
 <div class="legend">$(legend)</div>
 $(parses)
 </body></html>

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# demo.sh - install what is missing, build, learn a grammar from the bundled facades, sample new ones, show all on one page.
+# demo.sh - install what is missing, build, learn a grammar from the bundled facades, sample new ones, parse photographs, show all on one page.
 set -euo pipefail
 start=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -10,8 +10,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 usage() {
     cat <<'TXT'
 Usage: ./demo.sh [OPTION]...
-Install what is missing (through apt), build, learn a split grammar from the bundled facades, sample new facades from it,
-and write one page with the pictures: out/demo/index.html.
+Install what is missing (through apt), build, learn a split grammar from the bundled facades, sample new facades from it, parse
+photographs with it, and write one page with the pictures: out/demo/index.html.
 
   --output FOLDER  where the page goes (default out/demo)
   --seed N         seed of learning and sampling (default 1)

@@ -139,7 +139,7 @@ $(rendered)
 <h2>5. Photographs, parsed</h2>
 <p>These facades took no part in learning. <code>learn-unaries</code> trained a random forest on the ${#training[@]} training photographs, which says
 of each pixel what it may be; <code>parse-facade</code> looked for the derivation of the grammar that explains all pixels of a photograph together, by
-Markov chains that change rules and sizes (8 chains at rising temperatures, 5 runs of 100 000 iterations). The per cent are of pixels that are
+Markov chains that change rules and sizes (8 chains at rising temperatures, 2 runs of 50 000 iterations each). The per cent are of pixels that are
 right. Uncertain is where samples of the posterior disagree. Each parse is a derivation, too, with every rectangle and the rule it
 comes from (<a href="parsed/${parsed[0]}.json">the first one's</a>), and can be changed or sampled from like any other.</p>
 <div class="legend">$(legend)</div>

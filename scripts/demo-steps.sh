@@ -38,7 +38,7 @@ make_demo() { # BUILD-FOLDER FOLDER SEED
     run_step "classifying the pixels of ${#held_out[@]} photographs not learned from" "$log/classified.txt" \
         "$build"/parse/apply-unaries "$out/unaries.rf" "${held_out[@]}" --quiet -o "$out/unaries"
     run_step "parsing them with the grammar" "$log/parsed.txt" \
-        "$build"/parse/parse-facade "$out/grammar.sg" -p "$out/unaries" "${held_out[@]}" --truth "$data" --seed "$seed" --quiet \
-        --json "$out/parsed.json" -o "$out/parsed"
+        "$build"/parse/parse-facade "$out/grammar.sg" -p "$out/unaries" "${held_out[@]}" --truth "$data" --runs 2 --iterations 50000 --seed "$seed" \
+        --quiet --json "$out/parsed.json" -o "$out/parsed"
     run_step "writing the page" "$log/page.txt" "$top"/scripts/demo-page.sh "$data" "$out"
 }

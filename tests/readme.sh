@@ -15,7 +15,8 @@ ln -s "$SG_SOURCE_DIR/data" "$work/data"
 block sh >"$work/commands"
 [ "$(grep -cE '^[a-z]+-[a-z]+ ' "$work/commands")" -ge 7 ] || fail "README's commands were not found"
 (cd "$work" && bash -e -o pipefail commands) >"$work/log" 2>&1 || { cat "$work/log"; fail "a command failed"; }
-for file in lattices/facade020.lat facades.sg canonical.sg report/index.html facades.svg samples/sheet.png; do
+for file in lattices/facade020.lat facades.sg canonical.sg report/index.html facades.svg samples/sheet.png \
+    facades.rf parsed/facade001.overlay.png; do
     [ -s "$work/out/$file" ] || fail "out/$file was not made"
 done
 

@@ -38,8 +38,18 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Mean sizes between 1/2k and 3/2k, sds of a fifth of them; dense: pairs at a distance have covariances too. */
-static sg_grammar *make_grammar(size_t k, bool dense)
+/* INDEPENDENT: a diagonal covariance; GIVEN_SUM: what is left of that when the last size has a spread of its own; DENSE. */
+typedef enum { INDEPENDENT, GIVEN_SUM, DENSE, NKINDS } covariance_kind;
+static const char *const kind_names[NKINDS] = {"independent", "given their sum", "dependent"};
+
+static double covariance_of(size_t k, size_t i, size_t j, covariance_kind kind)
+{
+    const double other = kind == DENSE ? cos((double)(i + j)) / (double)k : 0;
+    return pow(0.2 / (double)k, 2) * (i == j ? 1 : other);
+}
+
+/* Mean sizes between 1/2k and 3/2k, standard deviations of a fifth of 1/k. */
+static sg_grammar *make_grammar(size_t k, covariance_kind kind)
 {
     char *text = NULL;
     size_t size = 0;
@@ -55,12 +65,12 @@ static sg_grammar *make_grammar(size_t k, bool dense)
         fprintf(out, "%.17g, ", m);
         left -= m;
     }
-    fprintf(out, "%.17g) %s (", left, dense ? "covariance" : "sd");
-    for (size_t i = 0; !dense && i < k; i++)
-        fprintf(out, "%g%s", 0.2 / (double)k, i + 1 < k ? ", " : ")");
-    for (size_t i = 0; dense && i + 1 < k; i++)
+    fprintf(out, "%.17g) %s (", left, kind == GIVEN_SUM ? "sd" : "covariance");
+    for (size_t i = 0; kind == GIVEN_SUM && i < k; i++)
+        fprintf(out, "%.17g%s", sqrt(covariance_of(k, i, i, kind)), i + 1 < k ? ", " : ")");
+    for (size_t i = 0; kind != GIVEN_SUM && i + 1 < k; i++)
         for (size_t j = 0; j + 1 < k; j++)
-            fprintf(out, "%s%.17g%s", j == 0 ? "(" : "", pow(0.2 / (double)k, 2) * (i == j ? 1 : cos((double)(i + j)) / (double)k),
+            fprintf(out, "%s%.17g%s", j == 0 ? "(" : "", covariance_of(k, i, j, kind),
                     j + 2 < k ? ", " : i + 2 < k ? "), " : "))");
     sg_grammar *g = NULL;
     sg_error err = SG_ERROR_INIT;
@@ -141,10 +151,15 @@ static void our_sample(setting *b, size_t i)
     sg_simplex_transform(b->s, b->u[i], b->value[i]);
 }
 
-static void our_sample_with_terms(setting *b, size_t i)
+static void our_sample_with_density(setting *b, size_t i)
 {
-    sg_simplex_transform_from(b->s, 0, b->u[i], b->value[i], b->terms[i]);
-    b->sum += sg_simplex_log_density_of_terms(b->s, b->terms[i]);
+    b->sum += sg_simplex_draw(b->s, b->u[i], b->value[i]);
+}
+
+static void gsl_sample_with_density(setting *b, size_t i)
+{
+    gsl_sample(b, i);
+    gsl_density(b, i);
 }
 
 static void our_density(setting *b, size_t i)
@@ -189,23 +204,23 @@ static void fill(setting *b, gsl_rng *rng)
     for (size_t i = 0; i < NDRAWS; i++) {
         for (size_t j = 0; j < b->k; j++)
             b->u[i][j] = sg_random_uniform(rng);
-        our_sample_with_terms(b, i);
+        sg_simplex_transform_from(b->s, 0, b->u[i], b->value[i], b->terms[i]);
         b->at[i] = gsl_rng_uniform_int(rng, b->k - 1);
         const double *v = b->value[i] + b->at[i];
         b->e[i] = -v[0] + sg_random_uniform(rng) * (v[0] + v[1]);
     }
 }
 
-static void time_setting(setting *b, bool dense, double seconds)
+static void time_setting(setting *b, covariance_kind kind, double seconds)
 {
     const struct {
         const char *name;
         void (*work)(setting *b, size_t i), (*reference)(setting *b, size_t i);
-    } lines[] = {{"sample", our_sample, gsl_sample},         {"sample with density", our_sample_with_terms, NULL},
+    } lines[] = {{"sample", our_sample, gsl_sample},         {"sample with density", our_sample_with_density, gsl_sample_with_density},
                  {"density", our_density, gsl_density},      {"shift", our_shift, gsl_shift},
                  {"shift of kept terms", our_shift_of_terms, NULL}, {"uniforms behind a shift", our_invert, NULL}};
     for (size_t l = 0; l < sizeof lines / sizeof *lines; l++) {
-        printf("  %2zu sizes, %-12s %-24s %7.0f ns", b->k, dense ? "dependent" : "independent", lines[l].name,
+        printf("  %2zu sizes, %-16s %-24s %7.0f ns", b->k, kind_names[kind], lines[l].name,
                time_one(b, seconds, lines[l].work));
         if (lines[l].reference != NULL)
             printf("   GSL %7.0f ns", time_one(b, seconds, lines[l].reference));
@@ -213,18 +228,18 @@ static void time_setting(setting *b, bool dense, double seconds)
     }
 }
 
-static void bench_setting(setting *b, size_t k, bool dense, double seconds)
+static void bench_setting(setting *b, size_t k, covariance_kind kind, double seconds)
 {
     gsl_rng *rng = sg_random_create(k);
     b->k = k;
-    b->g = make_grammar(k, dense);
+    b->g = make_grammar(k, kind);
     b->weight = gsl_matrix_calloc(k - 1, k - 1);
     if (b->g != NULL && b->weight != NULL && rng != NULL) {
         b->s = sg_grammar_rule(b->g, 0)->draws[0].simplex;
         memcpy(b->mean, sg_simplex_mean(b->s), k * sizeof *b->mean);
         condition(b);
         fill(b, rng);
-        time_setting(b, dense, seconds);
+        time_setting(b, kind, seconds);
     }
     gsl_matrix_free(b->weight);
     sg_grammar_free(b->g);
@@ -236,9 +251,8 @@ void bench_sizes(double seconds)
     setting *b = calloc(1, sizeof *b);
     if (b == NULL)
         return;
-    printf("draws of sizes, for each; independent: but for their sum\n");
     for (size_t k = 5; k <= MOST; k *= 2)
-        for (int dense = 0; dense < 2; dense++)
-            bench_setting(b, k, dense, seconds);
+        for (int kind = 0; kind < NKINDS; kind++)
+            bench_setting(b, k, (covariance_kind)kind, seconds);
     free(b);
 }

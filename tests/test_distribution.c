@@ -198,6 +198,9 @@ START_TEST(draws_go_back_to_their_uniforms)
         ck_ok(sg_draw_transform(t.g, t.d, t.frame, 0, u, &value, &err));
         ck_ok(sg_draw_log_density(t.g, t.d, t.frame, 0, &value, &density, &err));
         ck_assert(isfinite(density));
+        double same_value, same_density;
+        ck_ok(sg_draw_transform_density(t.g, t.d, t.frame, 0, u, &same_value, &same_density, &err));
+        ck_assert(same_value == value && same_density == density);
         ck_ok(sg_draw_invert(t.g, t.d, t.frame, 0, &value, back, &err));
         ck_assert(back[0] > 0 && back[0] < 1);
         if (t.d->kind != SG_DRAW_MIXTURE && t.d->kind != SG_DRAW_DISCRETE)
@@ -309,6 +312,7 @@ START_TEST(impossible_parameters_are_errors)
     ck_assert_ptr_nonnull(strstr(err.msg, "draw s: "));
     ck_assert_int_eq(sg_draw_invert(g, d, &bad[_i].m, 0, &x, back, &err), SG_ENUMERIC);
     ck_assert_int_eq(sg_draw_log_density(g, d, &bad[_i].m, 0, &x, back, &err), SG_ENUMERIC);
+    ck_assert_int_eq(sg_draw_transform_density(g, d, &bad[_i].m, 0, u, &x, back, &err), SG_ENUMERIC);
     sg_grammar_free(g);
 }
 END_TEST

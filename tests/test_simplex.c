@@ -268,6 +268,8 @@ START_TEST(sizes_and_densities_are_those_of_the_definition)
         const double tolerance = 1e-10 * (double)k * (1 + fabs(log_density));
         ck_assert_double_eq_tol(sg_simplex_log_density(s, value), log_density, tolerance);
         ck_assert_double_eq_tol(sg_simplex_log_density_of_terms(s, terms), log_density, tolerance);
+        ck_assert_double_eq_tol(sg_simplex_draw(s, u, back), log_density, tolerance);
+        ck_assert_mem_eq(back, value, k * sizeof *value);
         ck_assert(sg_simplex_terms(s, value, again));
         ck_assert_double_eq_tol(sg_simplex_log_density_of_terms(s, again), log_density, tolerance);
     }

@@ -138,6 +138,28 @@ static double standard_quantile(double u)
     return sg_normal_quantile(below, 1 - below);
 }
 
+/* The value that uniforms give; no sizes. */
+static double transform(const sg_draw *d, const arguments *a, const double *u)
+{
+    uint32_t i = 0;
+    switch (d->kind) {
+    case SG_DRAW_UNIFORM:
+        return a->v[0] + sg_uniform_plain(u[0]) * (a->v[1] - a->v[0]);
+    case SG_DRAW_NORMAL:
+        return a->v[0] + a->v[1] * standard_quantile(u[0]);
+    case SG_DRAW_TRUNCATED_NORMAL:
+        return sg_truncated_quantile(a->v[0], a->v[1], a->v[2], a->v[3], sg_uniform_plain(u[0]));
+    case SG_DRAW_MIXTURE:
+        i = pick(a, 3, sg_uniform_plain(u[0]));
+        return a->v[i + 1] + a->v[i + 2] * standard_quantile(u[1]);
+    case SG_DRAW_DISCRETE:
+        return a->v[pick(a, 2, sg_uniform_plain(u[0])) + 1];
+    case SG_DRAW_SIMPLEX:
+        break;
+    }
+    return NAN;
+}
+
 sg_status sg_draw_transform(const sg_grammar *g, const sg_draw *d, const double *frame, double depth, const double *u,
                             double *value, sg_error *err)
 {
@@ -147,27 +169,7 @@ sg_status sg_draw_transform(const sg_grammar *g, const sg_draw *d, const double 
     }
     arguments a;
     SG_TRY(evaluate(g, d, frame, depth, &a, err));
-    uint32_t i = 0;
-    switch (d->kind) {
-    case SG_DRAW_UNIFORM:
-        *value = a.v[0] + sg_uniform_plain(u[0]) * (a.v[1] - a.v[0]);
-        break;
-    case SG_DRAW_NORMAL:
-        *value = a.v[0] + a.v[1] * standard_quantile(u[0]);
-        break;
-    case SG_DRAW_TRUNCATED_NORMAL:
-        *value = sg_truncated_quantile(a.v[0], a.v[1], a.v[2], a.v[3], sg_uniform_plain(u[0]));
-        break;
-    case SG_DRAW_MIXTURE:
-        i = pick(&a, 3, sg_uniform_plain(u[0]));
-        *value = a.v[i + 1] + a.v[i + 2] * standard_quantile(u[1]);
-        break;
-    case SG_DRAW_DISCRETE:
-        *value = a.v[pick(&a, 2, sg_uniform_plain(u[0])) + 1];
-        break;
-    case SG_DRAW_SIMPLEX:
-        break;
-    }
+    *value = transform(d, &a, u);
     free(a.many);
     return SG_OK;
 }
@@ -261,6 +263,28 @@ sg_status sg_draw_invert(const sg_grammar *g, const sg_draw *d, const double *fr
     return good ? SG_OK : SG_FAIL(err, SG_ENUMERIC, "a value outside the support of its distribution");
 }
 
+static double log_density_of(const sg_draw *d, const arguments *a, double x)
+{
+    uint32_t i = 0;
+    double log_density = NAN;
+    switch (d->kind) {
+    case SG_DRAW_UNIFORM:
+        return x >= a->v[0] && x <= a->v[1] ? -log(a->v[1] - a->v[0]) : -INFINITY;
+    case SG_DRAW_NORMAL:
+        return log_normal_density(x, a->v[0], a->v[1]);
+    case SG_DRAW_TRUNCATED_NORMAL:
+        return sg_truncated_log_density(a->v[0], a->v[1], a->v[2], a->v[3], x);
+    case SG_DRAW_MIXTURE:
+        likeliest(a, x, &log_density);
+        break;
+    case SG_DRAW_DISCRETE:
+        return log(weight_of(a, x, &i) / total_weight(a, 2));
+    case SG_DRAW_SIMPLEX:
+        break;
+    }
+    return log_density;
+}
+
 sg_status sg_draw_log_density(const sg_grammar *g, const sg_draw *d, const double *frame, double depth,
                               const double *value, double *log_density, sg_error *err)
 {
@@ -270,27 +294,22 @@ sg_status sg_draw_log_density(const sg_grammar *g, const sg_draw *d, const doubl
     }
     arguments a;
     SG_TRY(evaluate(g, d, frame, depth, &a, err));
-    const double x = *value;
-    uint32_t i = 0;
-    switch (d->kind) {
-    case SG_DRAW_UNIFORM:
-        *log_density = x >= a.v[0] && x <= a.v[1] ? -log(a.v[1] - a.v[0]) : -INFINITY;
-        break;
-    case SG_DRAW_NORMAL:
-        *log_density = log_normal_density(x, a.v[0], a.v[1]);
-        break;
-    case SG_DRAW_TRUNCATED_NORMAL:
-        *log_density = sg_truncated_log_density(a.v[0], a.v[1], a.v[2], a.v[3], x);
-        break;
-    case SG_DRAW_MIXTURE:
-        likeliest(&a, x, log_density);
-        break;
-    case SG_DRAW_DISCRETE:
-        *log_density = log(weight_of(&a, x, &i) / total_weight(&a, 2));
-        break;
-    case SG_DRAW_SIMPLEX:
-        break;
+    *log_density = log_density_of(d, &a, *value);
+    free(a.many);
+    return SG_OK;
+}
+
+sg_status sg_draw_transform_density(const sg_grammar *g, const sg_draw *d, const double *frame, double depth,
+                                    const double *u, double *value, double *log_density, sg_error *err)
+{
+    if (d->kind == SG_DRAW_SIMPLEX) {
+        *log_density = sg_simplex_draw(d->simplex, u, value);
+        return SG_OK;
     }
+    arguments a;
+    SG_TRY(evaluate(g, d, frame, depth, &a, err));
+    *value = transform(d, &a, u);
+    *log_density = log_density_of(d, &a, *value);
     free(a.many);
     return SG_OK;
 }

@@ -56,6 +56,10 @@ static inline double sg_uniform_plain(double u)
 sg_status sg_draw_transform(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,
                             const double *u, double *value, sg_error *err);
 
+/** Values and their log density, for less than the two one by one. log_density: out, as below */
+sg_status sg_draw_transform_density(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,
+                                    const double *u, double *value, double *log_density, sg_error *err);
+
 /** The uniforms that give these values: the inverse of the above (for mixtures one of them).
  *  @return SG_OK, SG_ENUMERIC (a value has density 0) */
 sg_status sg_draw_invert(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,

@@ -100,13 +100,16 @@ const double *sg_simplex_covariance(const sg_simplex *s)
     return s->covariance;
 }
 
-/* Draw a size; mass: out. */
-static double draw_size(const sg_size_model *m, double centre, double rest, double u, double *mass)
+/* Draw a size: its term, and the size itself. */
+static inline sg_simplex_term draw_size(const sg_size_model *m, double centre, double rest, double u, double *value)
 {
-    const double v = m->sd * sg_truncated_distance(-centre, rest * m->rate, sg_size_below(m, centre), u, mass);
+    const double width = rest * m->rate;
+    double mass;
+    const double v = m->sd * sg_truncated_distance(-centre, width, sg_size_below(m, centre), u, &mass);
     /* A size of nothing, or nothing left, would end the chain of conditionals: keep an ulp. */
     const double least = 0x1p-60 * rest, most = rest * (1 - 0x1p-50);
-    return v > least && v < most ? v : v > least ? most : least;
+    *value = v > least && v < most ? v : v > least ? most : least;
+    return (sg_simplex_term){centre, sg_truncated_exponent(-centre, width, *value * m->rate), mass};
 }
 
 void sg_simplex_transform_from(const sg_simplex *s, size_t first, const double *u, double *value,
@@ -114,16 +117,26 @@ void sg_simplex_transform_from(const sg_simplex *s, size_t first, const double *
 {
     double rest = sg_simplex_rest(first, value);
     for (size_t j = first; j + 1 < s->k; j++) {
-        const sg_size_model *m = s->sizes + j;
-        const double centre = sg_size_centre(s, j, value, rest);
-        double mass;
-        value[j] = draw_size(m, centre, rest, u[j], &mass);
+        const sg_simplex_term t = draw_size(s->sizes + j, sg_size_centre(s, j, value, rest), rest, u[j], value + j);
         if (terms != NULL)
-            terms[j] = (sg_simplex_term){
-                centre, sg_truncated_exponent(-centre, rest * m->rate, value[j] * m->rate), mass};
+            terms[j] = t;
         rest -= value[j];
     }
     value[s->k - 1] = rest;
+}
+
+double sg_simplex_draw(const sg_simplex *s, const double *u, double *value)
+{
+    double rest = 1, sum = -s->log_sds;
+    sg_log_sum masses = {1, 0};
+    for (size_t j = 0; j + 1 < s->k; j++) {
+        const sg_simplex_term t = draw_size(s->sizes + j, sg_size_centre(s, j, value, rest), rest, u[j], value + j);
+        sum += t.exponent;
+        sg_log_multiply(&masses, t.mass);
+        rest -= value[j];
+    }
+    value[s->k - 1] = rest;
+    return sum - sg_log_total(&masses);
 }
 
 void sg_simplex_transform(const sg_simplex *s, const double *u, double *value)

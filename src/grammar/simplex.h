@@ -23,6 +23,8 @@ typedef struct {
  *  @param u      [k-1] in (0,1), or (-1,0) for what is near 1 (distribution.h)
  *  @param value  out [k] */
 void sg_simplex_transform(const sg_simplex *s, const double *u, double *value);
+/** The same, and their log density over the first k-1 sizes. */
+double sg_simplex_draw(const sg_simplex *s, const double *u, double *value);
 /** The same from size `first` on: the ones before it stand in value already, with their terms.
  *  @param terms  in and out [k-1], or NULL */
 void sg_simplex_transform_from(const sg_simplex *s, size_t first, const double *u, double *value,

@@ -24,25 +24,27 @@ mkdir set/folds
 printf 'f-0001\ttrain\nf-0002\ttrain\nf-0003\ttrain\nf-0004\tvalid\nf-0005\ttest\nf-0006\ttest\n' >set/folds/1.tsv
 expect 0 learn-unaries set --fold 1 -o f.rf --features patch --patch 3 --trees 3 --depth 8 --quiet
 cp "$grammars/arcade.sg" g.sg
-quick='--runs 2 --iterations 3000 --chains 3 --quiet'
+quick='--runs 2 --iterations 500 --chains 2 --quiet'
 
 # ---- what is found, and what is written ----
+expect 0 parse-facade g.sg -u f.rf set --fold 1 -o found --iterations 4000 --runs 2 --chains 3 --formats labels --quiet --json found.json
+holds found.json "all(r['accuracy'] > 0.95 for r in d)"
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -u f.rf set --fold 1 -o res $quick --json res.json
-says out '^all 2: accuracy 9[5-9]\.\|^all 2: accuracy 100\.'
+says out '^all 2: accuracy [0-9.]*% (MAP [0-9.]*%), class average'
 for name in f-0005 f-0006; do
     for ending in png overlay.png json trace.tsv marginals.npy lines.tsv uncertainty.png; do
         [ -s res/$name.$ending ] || fail "res/$name.$ending was not written"
     done
 done
 [ "$(ls res | wc -l)" = 15 ] || fail "more files than expected: $(ls res)"
-holds res.json "[r['image'].rsplit('/')[-1] for r in d] == ['f-0005.png', 'f-0006.png']"
-holds res.json "all(abs(r['energy'] - r['energy_image'] - r['energy_rule'] - r['energy_attribute']) < 1e-6 for r in d)"
-holds res.json "all(r['accuracy'] > 0.95 and r['moves'] == 2 * 3000 * 3 and r['moves_per_second'] > 0 and r['seconds'] > 0 for r in d)"
-holds res.json "all(len(r['run_energies']) == 2 and abs(min(r['run_energies']) - r['energy']) < 1e-6 * abs(r['energy']) for r in d)"
-holds res.json "all(0 <= v <= 1 for r in d for v in list(r['acceptance'].values()) + [r['swap_rate']] if v is not None)"
-holds res/f-0005.json "d['rect'] == [0, 0, 60, 80] and d['symbol'] == 'Front' and abs(sum(d['sizes']) - 1) < 1e-9"
-holds res/f-0005.json "abs(d['energy'] - [r for r in json.load(open('res.json')) if r['name'] == 'f-0005'][0]['energy']) < 1e-9"
+holds res.json "[r['image'].rsplit('/')[-1] for r in d] == ['f-0005.png', 'f-0006.png'] and all(
+    abs(r['energy'] - r['energy_image'] - r['energy_rule'] - r['energy_attribute']) < 1e-6 and
+    r['accuracy'] > 0.5 and r['moves'] == 2 * 500 * 2 and r['moves_per_second'] > 0 and r['seconds'] > 0 and
+    len(r['run_energies']) == 2 and abs(min(r['run_energies']) - r['energy']) < 1e-6 * abs(r['energy']) and
+    all(0 <= v <= 1 for v in list(r['acceptance'].values()) + [r['swap_rate']] if v is not None) for r in d)"
+holds res/f-0005.json "d['rect'] == [0, 0, 60, 80] and d['symbol'] == 'Front' and abs(sum(d['sizes']) - 1) < 1e-9 and \
+    abs(d['energy'] - json.load(open('res.json'))[0]['energy']) < 1e-9"
 says res/f-0005.lines.tsv '^orientation	position	from	to	before	after	share	mean	sd$'
 says res/f-0005.lines.tsv '^horizontal	'
 says res/f-0005.trace.tsv '^run	iteration	energy	'
@@ -90,7 +92,7 @@ same both/f-0005.png res/f-0005.png
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -p npy f-0005 -o few $quick --formats labels,derivation --truth set/labels --classes set/classes.tsv --json -
 mv out few.json
-holds few.json "d[0]['samples'] == 0 and d[0]['accuracy'] > 0.9"
+holds few.json "d[0]['samples'] == 0 and d[0]['accuracy'] > 0.5"
 [ "$(ls few | tr '\n' ' ')" = 'classes.tsv f-0005.json f-0005.png ' ] || fail "--formats: $(ls few)"
 for hard in '--hard' '--hard 0.994' '--hard=0.994'; do
     # shellcheck disable=SC2086
@@ -101,11 +103,11 @@ done
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -p npy f-0005 --hard -o hard $quick --formats trace
 same hard.trace hard/f-0005.trace.tsv
-for option in '--unary-weight 0.1' '--no-delayed-rejection' '--depth-base 2' '--share jump-copy=0' '--share shift=3' '--anneal 20' \
-    '--swap-every 50' '--tempering 2' '--burn-in 0.9' '--samples 4' '--tries 1' '--floor 0.01' '--time 100'; do
+for some in '--unary-weight 0.1 --no-delayed-rejection --depth-base 2 --share jump-copy=0 --anneal 20 --burn-in 0.9 --tries 1' \
+    '--share shift=3 --swap-every 50 --tempering 2 --samples 4 --floor 0.01 --time 100 --reflect-step 0.2 --shift-step 0.3'; do
     # shellcheck disable=SC2086
-    expect 0 parse-facade g.sg -p npy f-0005 -o opt $quick $option --json opt.json
-    holds opt.json "d[0]['energy'] < 1e5"
+    expect 0 parse-facade g.sg -p npy f-0005 -o opt $quick $some
+    cmp -s opt/f-0005.trace.tsv res/f-0005.trace.tsv && fail "no effect: $some"
 done
 expect 0 parse-facade g.sg -p npy f-0005 -o opt --time 0.3 --iterations 1000000000 --runs 1 --chains 2 --json opt.json
 holds opt.json "d[0]['moves'] < 2e9 and d[0]['samples'] > 0"

@@ -186,7 +186,8 @@ static int compare_strings(const void *a, const void *b)
 
 static sg_status refuse_equal(const char **sorted, const char *const *outputs, size_t n, sg_error *err)
 {
-    memcpy(sorted, outputs, n * sizeof *sorted);
+    for (size_t i = 0; i < n; i++)
+        sorted[i] = outputs[i];
     qsort(sorted, n, sizeof *sorted, compare_strings);
     for (size_t i = 1; i < n; i++)
         if (strcmp(sorted[i - 1], sorted[i]) == 0)

@@ -8,6 +8,8 @@
 
 #include "grammar/normal.h"
 
+#include <gsl/gsl_math.h> /* M_PI, also where the C library keeps it back */
+
 /** The value with u of the mass below it, in [low, high]. */
 double sg_truncated_quantile(double mean, double sd, double low, double high, double u);
 /** The mass below x. */

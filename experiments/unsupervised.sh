@@ -16,7 +16,7 @@ mkdir -p "$out"
 awk -F'\t' '$2 == "test" || $2 == "valid" { print $1 }' "$data/folds/$fold.tsv" >"$out/names"
 photographs=$(while read -r n; do ls "$data/images/$n".*; done <"$out/names")
 forest="--features rich"
-[ "$set" = rich ] || forest="--features patch --balanced --trees 8 --depth 9"
+[ "$set" = rich ] || forest="--features patch --balanced --trees 4 --depth 8"
 
 # shellcheck disable=SC2086
 [ -s "$out/$set.rf" ] || "$build"/parse/learn-unaries "$data" --fold "$fold" --classes "$classes" $forest --quiet -o "$out/$set.rf"
@@ -24,7 +24,7 @@ forest="--features rich"
 "$build"/parse/apply-unaries "$out/$set.rf" $photographs --quiet -o "$out/unaries"
 
 score() { # NAME DIR: what the label maps in DIR are worth
-    "$build"/parse/evaluate-labels "$data" "$2" --names "$out/names" --classes "$classes" --alias chimney=roof --quiet --json - |
+    "$build"/parse/evaluate-labels "$data" "$2" --names "$out/names" --classes "$classes" --quiet --json - |
         awk -v name="$1" '{ k = $1; gsub(/[":]/, "", k); sub(/,$/, "", $2) } /^ "/ && (k == "overall" || k == "class_average") { v[k] = $2 }
             END { printf "%-44s overall %.2f  class average %.2f\n", name, 100 * v["overall"], 100 * v["class_average"] }'
 }

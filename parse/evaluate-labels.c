@@ -29,8 +29,9 @@ static const char HELP[] =
     "  --classes FILE     class table of the truth in place of the data set's; pixels of 'ignore' count nowhere\n"
     "  --map-classes FILE class table of the maps in DIR\n"
     "  --alias NAME=OTHER what was found to be NAME counts as OTHER; may be repeated\n" SG_COMMON_HELP "\n"
-    "What was found to be no class of the truth's is an error, and said. The published tables on ECP are measured by\n"
+    "What was found to be no class of the truth's is an error, and said. Maps of ECP that know chimneys are measured by\n"
     "  evaluate-labels ecp out/fold%d --fold 1-5 --classes ecp/classes7.tsv --alias chimney=roof\n"
+    "as in the published tables.\n"
     "Exit status: 0 done, 2 wrong usage, 3 bad input, 4 the system failed, 5 stopped.\n";
 
 enum { MAX_FOLDS = 1000, MAX_ALIASES = 250 };

@@ -18,7 +18,8 @@ static const char help[] =
     "PROBABILITIES is a folder of NAME.npy with their classes.tsv.\n\n"
     "  --runs N, --iterations N, --chains N, --tempering X, --swap-every N, --tries N, --anneal X\n"
     "                     the search (default: the published 5, 100000, 8, 1.3)\n"
-    "  --shares A,B,C,D,E of jumps with fresh and with copied values, resampling, reflected steps, shifts\n"
+    "  --shares A,B,C,D,E,F\n"
+    "                     of jumps with fresh and with copied values, resampling, reflected steps, shifts, switches\n"
     "  --delayed 0|1      delayed rejection\n"
     "  --reflect-step X, --shift-step X, --depth-base X\n"
     "  --weight X         of the score (default 1)\n"
@@ -53,7 +54,8 @@ typedef struct {
 
 static bool read_shares(const char *arg, double *share)
 {
-    int used = 0, n = sscanf(arg, "%lf,%lf,%lf,%lf,%lf%n", share, share + 1, share + 2, share + 3, share + 4, &used);
+    int used = 0, n = sscanf(arg, "%lf,%lf,%lf,%lf,%lf,%lf%n", share, share + 1, share + 2, share + 3, share + 4,
+                             share + 5, &used);
     if (n == SG_MOVE_KINDS && arg[used] == '\0')
         return true;
     sg_program_usage("--shares takes %d numbers with commas between them", SG_MOVE_KINDS);
@@ -149,7 +151,8 @@ static sg_status time_search(bench *b, int threads)
 
 static void print_acceptance(const sg_metropolis_result *r)
 {
-    static const char *const names[SG_MOVE_KINDS] = {"jump, fresh", "jump, copied", "resample", "reflect", "shift"};
+    static const char *const names[SG_MOVE_KINDS] = {"jump, fresh", "jump, copied", "resample", "reflect", "shift",
+                                                        "switch"};
     for (int k = 0; k < SG_MOVE_KINDS; k++)
         if (r->stats.proposed[k] > 0)
             printf("  %-14s accepted %8.4f %%\n", names[k],
@@ -206,7 +209,7 @@ static sg_status time_scratch(bench *b)
 static sg_status measure(bench *b)
 {
     static const char *const names[SG_MOVE_KINDS + 1] = {"jumps, fresh values", "jumps, copied values", "resampling",
-                                                         "reflected steps", "shifts", "all moves, one chain"};
+                                                         "reflected steps", "shifts", "switches", "all moves, one chain"};
     if (b->common->threads == 0) {
         SG_TRY(time_search(b, 1));
         SG_TRY(time_search(b, 2));

@@ -9,7 +9,7 @@
 
 const char *sg_move_name(sg_move_kind kind)
 {
-    static const char *const names[SG_MOVE_KINDS] = {"jump-fresh", "jump-copy", "resample", "reflect", "shift"};
+    static const char *const names[SG_MOVE_KINDS] = {"jump-fresh", "jump-copy", "resample", "reflect", "shift", "switch"};
     return names[kind];
 }
 

@@ -91,6 +91,20 @@ static const toy toys[] = {
      "  -> 0.3 : split x { a | b } sizes mean (0.7, 0.3) covariance ((0.01)) -> 0.2 : a\n"
      "rule Q -> 0.6 : split x { a | b } sizes mean (0.4, 0.6) covariance ((0.05)) -> 0.4 : a\n",
      48, mixed, true},
+    {"switched blocks",
+     "label a label b start S\n"
+     "rule S -> 0.4 : split x { a | Q | b } sizes mean (0.3, 0.3, 0.4) covariance ((0.02, -0.01), (-0.01, 0.03))\n"
+     "  -> 0.3 : split x { a | b } sizes mean (0.6, 0.4) covariance ((0.03)) -> 0.1 : Q\n"
+     "  -> 0.2 : split x { a | Q } sizes mean (0.4, 0.6) covariance ((0.04))\n"
+     "rule Q -> 0.5 : split y { a | b } sizes mean (0.4, 0.6) covariance ((0.05)) -> 0.5 : b\n",
+     60, mixed, true},
+    {"switched and tied",
+     "tied label a label b start S\n"
+     "rule S -> 0.4 : split x { Q | a | Q } sizes mean (0.3, 0.3, 0.4) covariance ((0.02, -0.01), (-0.01, 0.03))\n"
+     "  -> 0.3 : split x { Q | b } sizes mean (0.6, 0.4) covariance ((0.03)) -> 0.1 : Q\n"
+     "  -> 0.2 : split y { a | Q } sizes mean (0.4, 0.6) covariance ((0.04))\n"
+     "rule Q -> 0.5 : split y { a | b } sizes mean (0.4, 0.6) covariance ((0.05)) -> 0.5 : b\n",
+     60, mixed, true},
     {"values decide what follows",
      "weights label a label b start S\n"
      "rule S -> x ~ uniform(0, 1) split x { T(x) | a } -> 2 : x ~ normal(0.5, 1) T(x)\n"
@@ -163,7 +177,9 @@ static const recipe recipes[] = {
     {"copying jumps, resampling", {1, 1, 1, 0, 0}, false, false},
     {"jumps, delayed, reflecting", {1, 3, 0, 3, 0}, true, false}, /* copies alone never pass some guards */
     {"copying jumps, shifts", {0, 1, 0, 0, 2}, false, true},
-    {"everything", {1, 1, 1, 1, 1}, true, false},
+    {"switches, shifts", {0.3, 0, 0, 0, 1, 3}, false, true},
+    {"switches alone for the rules", {0, 0, 1, 0, 1, 4}, false, true},
+    {"everything", {1, 1, 1, 1, 1, 1}, true, false},
 };
 
 enum { NRECIPES = sizeof recipes / sizeof *recipes };

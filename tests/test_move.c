@@ -472,11 +472,11 @@ static double log_density(const sg_derivation *d)
     return log_phi;
 }
 
-START_TEST(a_shift_trades_between_neighbours)
+START_TEST(a_shift_trades_between_two_sizes)
 {
     sg_error err = SG_ERROR_INIT;
     fixture f = open_fixture(_i % 2 == 0 ? sized : passing, (uint64_t)_i + 1, 10);
-    int in = 0, out = 0;
+    int in = 0, out = 0, neighbours = 0, slides = 0;
     for (int round = 0; round < 2000; round++) {
         const size_t node = node_with_draws(&f, true);
         if (node == SIZE_MAX || round % 10 == 0) {
@@ -491,18 +491,21 @@ START_TEST(a_shift_trades_between_neighbours)
         (inside ? &in : &out)[0]++;
         if (!inside)
             continue;
-        uint32_t at = 0;
+        uint32_t at = 0, other;
         while (f.draws.values[at] == old[at])
             at++;
-        ck_assert_double_eq_tol(f.draws.values[at] + f.draws.values[at + 1], old[at] + old[at + 1], 1e-14);
-        for (uint32_t i = at + 2; i < r->nvalues; i++)
+        for (other = at + 1; f.draws.values[other] == old[other];)
+            other++;
+        (other == at + 1 ? &neighbours : &slides)[0]++;
+        ck_assert_double_eq_tol(f.draws.values[at] + f.draws.values[other], old[at] + old[other], 1e-14);
+        for (uint32_t i = other + 1; i < r->nvalues; i++)
             ck_assert_double_eq(f.draws.values[i], old[i]);
         const double before = log_density(&f.d);
         ck_ok(sg_derivation_apply(&f.d, &(sg_change){&f.d, node, NULL, f.draws.uniforms, f.draws.values}, &err));
         ck_ok(sg_derivation_check(&f.d, &err));
         ck_assert_double_eq_tol(change, log_density(&f.d) - before, 1e-9);
     }
-    ck_assert(in > 500 && out > 20);
+    ck_assert(in > 500 && out > 20 && neighbours > 100 && slides > 50);
     close_fixture(&f);
 }
 END_TEST
@@ -624,7 +627,7 @@ int main(void)
     tcase_add_loop_test(tc, other_draws_at_the_root_are_carried_down, 0, 4);
     tcase_add_test(tc, repeats_that_trade_children_are_noticed);
     tcase_add_loop_test(tc, a_reflected_step_moves_one_uniform_and_keeps_them_uniform, 0, 3);
-    tcase_add_loop_test(tc, a_shift_trades_between_neighbours, 0, 4);
+    tcase_add_loop_test(tc, a_shift_trades_between_two_sizes, 0, 4);
     tcase_add_loop_test(tc, shifts_keep_the_prior, 0, 3);
     tcase_add_test(tc, warm_proposals_allocate_nothing);
     tcase_add_test(tc, failed_allocations_are_reported);

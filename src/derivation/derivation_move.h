@@ -63,8 +63,9 @@ sg_status sg_node_reflect(const sg_derivation *d, size_t node, double sd, gsl_rn
 /** Whether the rule has a draw whose neighbouring sizes can be shifted. */
 bool sg_rule_has_sizes(const sg_rule *r);
 
-/** The boundary between two neighbouring sizes of one of its simplex draws, any, by a Gaussian step: one size grows by what
- *  the other loses. Symmetric in the space of sizes, since the sum of the two stays and the step depends on nothing else.
+/** Two sizes of one of its simplex draws, by a Gaussian step: the first grows by what the second loses. Half of the time, and
+ *  where there are only two, they are neighbours, so that the boundary between them moves; else what stands between them slides.
+ *  Symmetric in the space of sizes, since the sum of the two stays and the step depends on nothing else.
  *  @param sd               of the step as a share of the two sizes' sum; each step draws its own scale, log-uniform down to
  *                          sd/64, so that small and large ones both happen
  *  @param d_log_density    out: log density of the draws after less before; it is also the log of the ratio of reverse over

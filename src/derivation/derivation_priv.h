@@ -58,6 +58,9 @@ sg_status sg_frame_log_density(const sg_grammar *g, const sg_rule *r, uint32_t n
 /** Log density of the draws of a node. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_node_log_density(const sg_derivation *d, const sg_node *n, double *log_density, sg_error *err);
 
+/** Draw a rule for the symbol of a node, whatever its rule is now, from the prior: as sg_derivation_choose(). */
+sg_status sg_derivation_draw_rule(const sg_derivation *d, size_t node, gsl_rng *rng, sg_rule_id *rule, sg_error *err);
+
 /** Put the path of symbols from the root to node in front of the sentence; returns code. */
 sg_status sg_derivation_fail_at(const sg_derivation *d, size_t node, sg_status code, sg_error *err);
 

@@ -261,13 +261,19 @@ sg_status sg_derivation_sample(sg_derivation *d, gsl_rng *rng, size_t max_nodes,
     return sg_derivation_sample_subtree(d, sg_grammar_start(g), sg_grammar_start_args(g), 0, rng, max_nodes, err);
 }
 
+sg_status sg_derivation_draw_rule(const sg_derivation *d, size_t node, gsl_rng *rng, sg_rule_id *rule, sg_error *err)
+{
+    const sg_node *n = d->nodes + node;
+    const sg_status st = choose_rule(d->grammar, n->symbol, d->values + n->values, n->depth, rng, rule, err);
+    return st == SG_OK ? SG_OK : sg_derivation_fail_at(d, node, st, err);
+}
+
 sg_status sg_derivation_choose(const sg_derivation *d, size_t node, gsl_rng *rng, sg_rule_id *rule, sg_error *err)
 {
     const sg_node *n = d->nodes + node;
     if (n->rule != SG_NONE)
         return SG_FAIL(err, SG_EINVAL, "node %zu is not open", node);
-    const sg_status st = choose_rule(d->grammar, n->symbol, d->values + n->values, n->depth, rng, rule, err);
-    return st == SG_OK ? SG_OK : sg_derivation_fail_at(d, node, st, err);
+    return sg_derivation_draw_rule(d, node, rng, rule, err);
 }
 
 static bool is_rule_of(const sg_grammar *g, sg_rule_id rule, sg_sym symbol)

@@ -44,10 +44,15 @@ static sg_status make_values(const drawing *w, sg_node_draws *out, sg_error *err
     return sg_derivation_transform(w->d->grammar, w->r, w->nparams, w->n->depth, out->uniforms, out->frame, err);
 }
 
+static size_t pick_below(double u, size_t n)
+{
+    const size_t i = (size_t)(u * (double)n);
+    return i < n ? i : n - 1;
+}
+
 static size_t pick(gsl_rng *rng, size_t n)
 {
-    const size_t i = (size_t)(sg_random_uniform(rng) * (double)n);
-    return i < n ? i : n - 1;
+    return pick_below(sg_random_uniform(rng), n);
 }
 
 sg_status sg_node_resample(const sg_derivation *d, size_t node, gsl_rng *rng, sg_node_draws *out, sg_error *err)
@@ -92,6 +97,32 @@ bool sg_rule_has_sizes(const sg_rule *r)
     return false;
 }
 
+/* The size that loses: the next one, or any behind it. */
+static size_t pick_other(size_t size, size_t nsizes, gsl_rng *rng)
+{
+    const size_t farther = nsizes - size - 2;
+    const double u = sg_random_uniform(rng);
+    return size + 1 + (farther > 0 && u < 0.5 ? 1 + pick_below(2 * u, farther) : 0);
+}
+
+/* What it does to the log density when size `at` grows by a step and size `other` shrinks by it: the sizes are moved. */
+static double slide(const sg_simplex *s, double *size, size_t at, size_t other, double step)
+{
+    const double before = sg_simplex_log_density(s, size);
+    size[at] += step;
+    size[other] -= step;
+    return sg_simplex_log_density(s, size) - before;
+}
+
+/* The same for neighbours, where little changes. */
+static double shift(const sg_simplex *s, double *size, size_t at, double step)
+{
+    const double change = sg_simplex_shift(s, size, NULL, at, step, NULL);
+    size[at] += step;
+    size[at + 1] -= step;
+    return change;
+}
+
 /* Any boundary of any simplex draw: the draw, and the size in front of it. */
 static const sg_draw *pick_boundary(const sg_rule *r, gsl_rng *rng, size_t *size)
 {
@@ -114,14 +145,16 @@ void sg_node_shift(const sg_derivation *d, size_t node, double sd, gsl_rng *rng,
     begin(&w, w.r->nvalues, out);
     double *size = out->frame + w.nparams + draw->first_value;
     const double scale = sd * pow(SMALLEST, sg_random_uniform(rng));
-    const double step = gsl_ran_gaussian_ziggurat(rng, scale * (size[at] + size[at + 1]));
-    *d_log_density = sg_simplex_shift(draw->simplex, size, NULL, at, step, NULL);
-    *inside = *d_log_density > -INFINITY;
+    const size_t other = pick_other(at, draw->nvalues, rng);
+    const double step = gsl_ran_gaussian_ziggurat(rng, scale * (size[at] + size[other]));
+    *d_log_density = other == at + 1 ? shift(draw->simplex, size, at, step) : slide(draw->simplex, size, at, other, step);
+    *inside = *d_log_density > -INFINITY && size[draw->nvalues - 1] > 0;
     if (!*inside)
         return;
-    size[at] += step;
-    size[at + 1] -= step;
-    sg_simplex_invert_shifted(draw->simplex, at, size, NULL, out->uniforms + draw->first_uniform);
+    if (other == at + 1)
+        sg_simplex_invert_shifted(draw->simplex, at, size, NULL, out->uniforms + draw->first_uniform);
+    else
+        sg_simplex_invert_from(draw->simplex, at, size, NULL, out->uniforms + draw->first_uniform);
 }
 
 sg_status sg_node_draws_log_density(const sg_derivation *d, size_t node, const sg_node_draws *draws, double *log_density,

@@ -57,7 +57,7 @@ static void sort_into_lists(sg_chain *c)
 
 static const sg_list_kind list_of_kind[SG_MOVE_KINDS] = {
     [SG_MOVE_JUMP_FRESH] = SG_LIST_JUMPS, [SG_MOVE_JUMP_COPY] = SG_LIST_JUMPS, [SG_MOVE_RESAMPLE] = SG_LIST_DRAWS,
-    [SG_MOVE_REFLECT] = SG_LIST_DRAWS,    [SG_MOVE_SHIFT] = SG_LIST_SIZES,
+    [SG_MOVE_REFLECT] = SG_LIST_DRAWS,    [SG_MOVE_SHIFT] = SG_LIST_SIZES,    [SG_MOVE_SWITCH] = SG_LIST_JUMPS,
 };
 
 /* Moves that the grammar has no use for take no share. */
@@ -70,7 +70,7 @@ static void sum_shares(sg_chain *c)
         lists |= c->of_rule[r];
     double sum = 0;
     for (int k = 0; k < SG_MOVE_KINDS; k++) {
-        if (lists & 1u << list_of_kind[k])
+        if (lists & 1u << list_of_kind[k] && (k != SG_MOVE_SWITCH || sg_switcher_useful(c->switcher)))
             sum += c->opts.share[k];
         c->shares[k] = sum;
     }
@@ -102,6 +102,7 @@ static sg_status take_memory(sg_chain *c, const sg_score *score, sg_error *err)
     if (c->rng == NULL || c->of_symbol == NULL || c->of_rule == NULL || c->log_probability == NULL ||
         c->draws.uniforms == NULL || c->draws.frame == NULL)
         return SG_FAIL_NOMEM(err);
+    SG_TRY(sg_switcher_create(g, &c->switcher, err));
     return sg_chain_state_create(g, score, &c->at, err);
 }
 
@@ -142,6 +143,7 @@ void sg_chain_free(sg_chain *c)
     if (c == NULL)
         return;
     sg_chain_state_free(c->at);
+    sg_switcher_free(c->switcher);
     sg_derivation_clear(&c->best);
     clear_candidate(&c->old);
     clear_candidate(&c->y);
@@ -261,7 +263,7 @@ sg_status sg_chain_step(sg_chain *c, uint64_t iteration, sg_move *move, sg_error
     sg_status st = SG_OK;
     sg_random_stream(c->rng, c->seed, c->id, iteration);
     if (pick_kind(c, &m.kind))
-        st = m.kind <= SG_MOVE_JUMP_COPY ? sg_chain_jump(c, &m, err) : sg_chain_move_draws(c, &m, err);
+        st = list_of_kind[m.kind] == SG_LIST_JUMPS ? sg_chain_jump(c, &m, err) : sg_chain_move_draws(c, &m, err);
     if (st == SG_OK && m.node != SIZE_MAX)
         count(&c->stats, &m);
     if (move != NULL)

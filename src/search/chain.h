@@ -20,7 +20,9 @@ typedef enum {
     SG_MOVE_JUMP_COPY,   /* the same, values copied in pre-order, surplus dropped, lack filled with fresh uniforms */
     SG_MOVE_RESAMPLE,    /* all uniforms of one node anew */
     SG_MOVE_REFLECT,     /* one uniform of one node by a reflected Gaussian step */
-    SG_MOVE_SHIFT,       /* the boundary between two neighbouring sizes of a split by a Gaussian step in value space */
+    SG_MOVE_SHIFT,       /* one size of a split grows by a Gaussian step in value space, a later one shrinks by it: a boundary
+                            moves, or all that stands between two sizes slides */
+    SG_MOVE_SWITCH,      /* another rule for a split, which keeps what the two have in common (derivation_switch.h) */
     SG_MOVE_KINDS,
 } sg_move_kind;
 
@@ -50,7 +52,7 @@ typedef struct {
     size_t max_nodes;         /* larger derivations are outside of the target: a proposal of one is rejected */
 } sg_kernel_opts;
 
-#define SG_KERNEL_OPTS_INIT {{0.15, 0.15, 0.1, 0.2, 0.4}, true, 1.0, 0.1, 0.5, 1000000}
+#define SG_KERNEL_OPTS_INIT {{0.1, 0.1, 0.1, 0.15, 0.4, 0.15}, true, 1.0, 0.1, 0.5, 1000000}
 
 /** The parts of the posterior at a derivation. */
 typedef struct {

@@ -17,7 +17,10 @@
  * the flow back
  *     pi(z) q_z(v) P(rules of x | values of y*) [1 - alpha(z -> y*)],
  * and pi holds P(rules of x | values of x), P(rules of y | values of z): the ratio is DESIGN's alpha_2. Nodes beyond the depth
- * limit have their one rule with probability 1 in all four. */
+ * limit have their one rule with probability 1 in all four.
+ *
+ * A switch (derivation_switch.h) is a jump that keeps more than uniforms; what its sizes add to the ratio comes with it. It has no
+ * second try. */
 #include "search/chain_priv.h"
 
 #include <math.h>
@@ -54,6 +57,9 @@ static sg_status propose_y(jump *j, bool *inside)
     if (j->copy)
         from.kept = sg_derivation_uniforms(&c->at->d, j->m->node, &from.nkept);
     c->y.summed = false;
+    if (j->m->kind == SG_MOVE_SWITCH)
+        return sg_switcher_propose(c->switcher, &c->at->d, j->m->node, c->rng, c->opts.max_nodes, &c->y.d,
+                                   &j->m->d_log_propose, inside, j->err);
     return sg_derivation_regenerate(&c->at->d, j->m->node, &from, c->opts.max_nodes, &c->y.d, inside, j->err);
 }
 
@@ -162,7 +168,7 @@ static sg_status first_stage(jump *j)
     SG_TRY(sharpen(j, &c->y, &m->d_log_anneal));
     m->d_log_select = sg_chain_log_select(c, m->node, &c->y.d);
     const sg_change change = change_to(j, &c->y);
-    const double others = m->d_log_select + m->d_log_anneal;
+    const double others = m->d_log_select + m->d_log_propose + m->d_log_anneal;
     SG_TRY(sg_score_propose(c->at->score, &change, sg_chain_floor(c, log_score(c), others), &score, j->err));
     m->d_log_score = score.log - log_score(c);
     m->log_accept = sg_chain_log_alpha(c, m->d_log_score, others);
@@ -170,7 +176,7 @@ static sg_status first_stage(jump *j)
     if (m->accepted)
         return sg_chain_accept(c, &change, &c->y, &score, j->err);
     sg_score_rollback(c->at->score);
-    return try_again(j);
+    return m->kind == SG_MOVE_SWITCH ? SG_OK : try_again(j);
 }
 
 sg_status sg_chain_jump(sg_chain *c, sg_move *m, sg_error *err)
@@ -181,7 +187,8 @@ sg_status sg_chain_jump(sg_chain *c, sg_move *m, sg_error *err)
     if (m->node == SIZE_MAX)
         return SG_OK;
     SG_TRY(propose_y(&j, &inside));
-    if (!inside) { /* too large: y has no density, and no tree as large as it has a second try that leads here */
+    if (!inside) { /* too large: y has no density, and no tree as large as it has a second try that leads here; or no switch */
+        m->d_log_propose = 0;
         m->d_log_score = m->log_accept = -INFINITY;
         return SG_OK;
     }

@@ -4,7 +4,7 @@
 #ifndef SG_SEARCH_CHAIN_PRIV_H
 #define SG_SEARCH_CHAIN_PRIV_H
 
-#include "derivation/derivation_move.h"
+#include "derivation/derivation_switch.h"
 #include "search/chain.h"
 
 /** Nodes that a move can pick. What belongs on a list is a property of the symbol (jumps) or of the rule (draws). */
@@ -56,6 +56,7 @@ struct sg_chain {
     bool at_best;                 /* the best is where the chain stands, and `best` is out of date */
     sg_candidate old, y, z, back; /* subtrees of x, the first and the second proposal, and of y* */
     sg_node_draws draws;
+    sg_switcher *switcher;
     unsigned char *of_symbol, *of_rule; /* bit 1 << list */
     double *log_probability;      /* of each rule, where weights are constant */
     sg_chain_stats stats;

@@ -76,6 +76,7 @@ void kernel_model_temper(kernel_model *m, double beta, double base, double sharp
     m->beta = beta;
     m->base = base;
     m->sharpness = sharpness;
+    m->delayed_nodes = SIZE_MAX;
     for (size_t x = 0; x < m->space.n; x++) {
         m->pi[x] = isfinite(m->log_score[x]) ? m->space.prior[x] * exp(log_weight_of(m, x)) : 0;
         sum += m->pi[x];
@@ -224,7 +225,8 @@ static void first_stages(const jump_at *j, bool delayed, double p)
         j->f->first++;
         j->f->proposed += py;
         add_flow(j, j->state[y], py * accept);
-        if (delayed && accept < 1 && j->state[y] != SIZE_MAX)
+        const bool small = s->nnodes <= j->m->delayed_nodes && j->subs->d[j->old].nnodes <= j->m->delayed_nodes;
+        if (delayed && small && accept < 1 && j->state[y] != SIZE_MAX)
             second_stages(j, y, py * (1 - accept));
     }
 }

@@ -31,6 +31,7 @@ struct kernel_model {
     double *log_density; /* [space.n] of draws in value space */
     double *pi;          /* [space.n] the target, normalised; 0 where the score is -INFINITY */
     double beta, base, sharpness;
+    size_t delayed_nodes;   /* second stages where neither subtree is larger */
     size_t width;           /* most nodes of a state */
     bool *jumps;            /* [space.n][width] nodes where jumps are tried */
     oracle_space *subtrees; /* one for each symbol, depth and arguments that came up; only its root tells which */
@@ -42,7 +43,8 @@ struct kernel_model {
 void kernel_model_init(kernel_model *m, const char *grammar, unsigned cells, size_t max_nodes, kernel_score *score,
                        void *user);
 void kernel_model_clear(kernel_model *m);
-/** The target prior * exp(beta * log score), in values to the power of sharpness; weights b^-depth. Begin with this. */
+/** The target prior * exp(beta * log score), in values to the power of sharpness; weights b^-depth. Begin with this; second
+ *  stages are then of subtrees of any size. */
 void kernel_model_temper(kernel_model *m, double beta, double base, double sharpness);
 
 /** log of the sum of b^-depth over the nodes of x where jumps are tried. */

@@ -72,7 +72,7 @@ typedef struct {
     sg_chain *c;
 } fixture;
 
-static const sg_kernel_opts all_moves = {{0.2, 0.2, 0.2, 0.2, 0.2, 0.2}, true, 1, 0.1, 0.5, 400};
+static const sg_kernel_opts all_moves = {{0.2, 0.2, 0.2, 0.2, 0.2, 0.2}, true, 8, 1, 0.1, 0.5, 400};
 
 static fixture open_fixture(const char *text, double (*log_of)(const sg_derivation *), const sg_kernel_opts *opts,
                             uint64_t seed, double beta)

@@ -108,6 +108,8 @@ static void open_fixture(fixture *f, int which, sg_move_kind kind, bool delayed)
     f->hash = (toy_hash){11, 1.5, 0.1};
     kernel_model_init(&f->m, f->grammar->text, f->grammar->cells, f->grammar->max_nodes, toy_hash_log, &f->hash);
     kernel_model_temper(&f->m, betas[(turn + i) % 3], (double)(1 + (turn + i / 3) % 3), turn == 2 ? 1.5 : 1);
+    if (turn == 1)
+        f->m.delayed_nodes = 2;
     toy_score_init(&f->score, toy_hash_log, &f->hash);
     f->score.strict = which < NFINITE;
     f->score.listener = hear;
@@ -116,6 +118,7 @@ static void open_fixture(fixture *f, int which, sg_move_kind kind, bool delayed)
     memset(opts.share, 0, sizeof opts.share);
     opts.share[kind] = 1;
     opts.delayed_rejection = delayed;
+    opts.delayed_nodes = f->m.delayed_nodes;
     opts.depth_base = f->m.base;
     opts.max_nodes = f->m.max_nodes;
     ck_ok(sg_chain_create(f->m.g, &f->score.base, &opts, 5, 3, f->m.beta, &f->chain, &err));
@@ -377,7 +380,7 @@ START_TEST(all_second_stages_of_a_small_grammar_are_seen)
 {
     for (int kind = SG_MOVE_JUMP_FRESH; kind <= SG_MOVE_JUMP_COPY; kind++) {
         fixture f;
-        open_fixture(&f, FIRST_WITH_VALUES + _i * NFINITE, (sg_move_kind)kind, true);
+        open_fixture(&f, FIRST_WITH_VALUES + 2 * _i * NFINITE, (sg_move_kind)kind, true);
         f.least_steps = 40000;
         observe(&f);
         const reported r = check_kernel(&f);
@@ -394,7 +397,7 @@ int main(void)
     TCase *tc = tcase_create("exact");
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, reported_acceptances_keep_the_target, 0, 3 * NFINITE);
-    tcase_add_loop_test(tc, all_second_stages_of_a_small_grammar_are_seen, 0, 3);
+    tcase_add_loop_test(tc, all_second_stages_of_a_small_grammar_are_seen, 0, 2);
     suite_add_tcase(suite, tc);
     return test_run(suite);
 }

@@ -30,7 +30,7 @@ static double impossible(const sg_derivation *d)
     return -INFINITY;
 }
 
-static const sg_kernel_opts kernel = {{0.2, 0.2, 0.2, 0.2, 0.2}, true, 1, 0.1, 0.5, 300};
+static const sg_kernel_opts kernel = {{0.2, 0.2, 0.2, 0.2, 0.2, 0.2}, true, 8, 1, 0.1, 0.5, 300};
 
 static sg_metropolis_opts small_opts(void)
 {

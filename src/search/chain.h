@@ -44,7 +44,8 @@ typedef struct {
 /** Shares are relative to each other; a move that the grammar has no use for (no draws, say) takes no share. */
 typedef struct {
     double share[SG_MOVE_KINDS];
-    bool delayed_rejection;   /* after rejected jumps */
+    bool delayed_rejection;   /* after rejected jumps, where */
+    size_t delayed_nodes;     /* neither the old nor the new subtree is larger: of large ones hardly any second try is accepted */
     double depth_base;        /* b of q(v) = b^-depth(v) / Z */
     double reflect_step;      /* sd in the space of uniforms */
     double shift_step;        /* sd as a share of the two sizes' sum; each step also draws its scale, so that small and large
@@ -52,7 +53,7 @@ typedef struct {
     size_t max_nodes;         /* larger derivations are outside of the target: a proposal of one is rejected */
 } sg_kernel_opts;
 
-#define SG_KERNEL_OPTS_INIT {{0.1, 0.1, 0.1, 0.15, 0.4, 0.15}, true, 1.0, 0.1, 0.5, 1000000}
+#define SG_KERNEL_OPTS_INIT {{0.08, 0.02, 0.06, 0.1, 0.66, 0.08}, true, 64, 3.0, 0.1, 0.5, 1000000}
 
 /** The parts of the posterior at a derivation. */
 typedef struct {

@@ -146,13 +146,20 @@ static sg_status second_stage(jump *j)
     return m->accepted ? accept_z(j, &score) : SG_OK;
 }
 
+/* Subtrees of the rules of x and y, whichever way one goes: y* and z have as many nodes. */
+static bool small_enough(const jump *j)
+{
+    const size_t most = j->c->opts.delayed_nodes;
+    return j->c->at->d.nodes[j->m->node].length <= most && j->c->y.d.nnodes <= most;
+}
+
 /* Where neither has a uniform z is y and y* is x, and one of two ways is always accepted: nothing is left for a second try. */
 static sg_status try_again(jump *j)
 {
     sg_chain *c = j->c;
     size_t n;
     sg_derivation_uniforms(&c->at->d, j->m->node, &n);
-    if (!c->opts.delayed_rejection || (n == 0 && c->y.d.nuniforms == 0))
+    if (!c->opts.delayed_rejection || !small_enough(j) || (n == 0 && c->y.d.nuniforms == 0))
         return SG_OK;
     SG_TRY(sg_derivation_extract(&c->at->d, j->m->node, &c->old.d, j->err));
     return second_stage(j);

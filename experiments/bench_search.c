@@ -171,7 +171,7 @@ static sg_status time_moves(bench *b, int kind, const char *name)
         opts.share[k] = kind == SG_MOVE_KINDS ? opts.share[k] : k == kind;
     sg_chain *c = NULL;
     SG_TRY(sg_chain_create(b->g, b->score, &opts, b->common->seed, 0, 1, &c, b->err));
-    sg_status st = sg_chain_start(c, &b->result.best, 0, b->err);
+    sg_status st = sg_chain_start(c, &b->result.best, 0, NULL, b->err);
     const double start = clock_s(CLOCK_PROCESS_CPUTIME_ID);
     double elapsed = 0;
     uint64_t n = 0;

@@ -123,7 +123,7 @@ static sg_status search(job *j, sg_facade_stage stage, const sg_derivation *star
     }
     const sg_status st = sg_metropolis_run(j->g, j->score, &j->opts->search, start, sampled ? &sampler : NULL,
                                            j->progress, result, err);
-    if (st != SG_OK && st != SG_STOPPED)
+    if ((st != SG_OK && st != SG_STOPPED) || result->nruns == 0)
         return st;
     if (sampled)
         choose_window(j, result);
@@ -137,7 +137,7 @@ static sg_status run_search(job *j, sg_facade_stage stage, const sg_derivation *
     sg_metropolis_result result;
     memset(&result, 0, sizeof result);
     const sg_status st = search(j, stage, start, &result, err);
-    if ((st == SG_OK || st == SG_STOPPED) && !j->out->searched) {
+    if ((st == SG_OK || st == SG_STOPPED) && result.nruns > 0 && !j->out->searched) {
         j->out->search = result;
         j->out->searched = true;
     } else {

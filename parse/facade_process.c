@@ -200,6 +200,8 @@ static sg_status parse(work *w, sg_progress *progress, sg_facade_outcome *out, s
     const sg_status st = sg_facade_run(w->setup->g, &w->unaries, w->setup->channel, &opts, progress, &w->parse, err);
     if (st != SG_OK && st != SG_STOPPED)
         return about(w->photo->name, st, err);
+    if (!w->parse.results[w->parse.best].done) /* stopped before there was anything */
+        return st;
     SG_TRY(note_parse(&w->parse, arena, out, err));
     if (w->photo->truth != NULL)
         SG_TRY(score_all(w, arena, out, err));

@@ -82,7 +82,7 @@ static fixture open_fixture(const char *text, double (*log_of)(const sg_derivati
     ck_assert_ptr_nonnull(f.score);
     *f.score = (function_score){{&function_ops}, log_of, false};
     ck_ok(sg_chain_create(f.g, &f.score->base, opts, seed, 0, beta, &f.c, &err));
-    ck_ok(sg_chain_start(f.c, NULL, 10, &err));
+    ck_ok(sg_chain_start(f.c, NULL, 10, NULL, &err));
     return f;
 }
 
@@ -261,7 +261,7 @@ START_TEST(a_chain_is_a_function_of_seed_and_number)
     const uint32_t ids[4] = {0, 0, 0, 1};
     for (int i = 0; i < 4; i++) {
         ck_ok(sg_chain_create(f.g, &f.score->base, &all_moves, seeds[i], ids[i], 1, &c[i], &err));
-        ck_ok(sg_chain_start(c[i], NULL, 10, &err));
+        ck_ok(sg_chain_start(c[i], NULL, 10, NULL, &err));
         step_many(c[i], 1, 500);
     }
     ck_assert(same(sg_chain_derivation(c[0]), sg_chain_derivation(c[1])));
@@ -279,7 +279,7 @@ START_TEST(a_chain_begins_at_the_best_sample_or_at_what_is_given)
     fixture f = open_fixture(sized, wants, &all_moves, 3, 1);
     double last = -INFINITY;
     for (size_t tries = 1; tries <= 64; tries *= 8) {
-        ck_ok(sg_chain_start(f.c, NULL, tries, &err));
+        ck_ok(sg_chain_start(f.c, NULL, tries, NULL, &err));
         check_carried(&f);
         ck_assert_double_ge(sg_chain_posterior(f.c)->score.log, last);
         last = sg_chain_posterior(f.c)->score.log;
@@ -288,7 +288,7 @@ START_TEST(a_chain_begins_at_the_best_sample_or_at_what_is_given)
     sg_derivation_init(&d, f.g);
     gsl_rng *rng = sg_random_create(5);
     ck_ok(sg_derivation_sample(&d, rng, 1000, &err));
-    ck_ok(sg_chain_start(f.c, &d, 0, &err));
+    ck_ok(sg_chain_start(f.c, &d, 0, NULL, &err));
     ck_assert(same(&d, sg_chain_derivation(f.c)) && same(&d, sg_chain_best(f.c, NULL)));
     check_carried(&f);
     while (d.nnodes % 5 != 3)
@@ -296,7 +296,7 @@ START_TEST(a_chain_begins_at_the_best_sample_or_at_what_is_given)
     f.score->log_of = refuses_some;
     sg_chain *c = NULL;
     ck_ok(sg_chain_create(f.g, &f.score->base, &all_moves, 1, 0, 1, &c, &err));
-    ck_assert_int_eq(sg_chain_start(c, &d, 0, &err), SG_ENOPARSE);
+    ck_assert_int_eq(sg_chain_start(c, &d, 0, NULL, &err), SG_ENOPARSE);
     sg_chain_free(c);
     gsl_rng_free(rng);
     sg_derivation_clear(&d);
@@ -334,7 +334,7 @@ START_TEST(bad_options_and_hopeless_scores_are_refused)
         ck_assert_ptr_null(c);
     }
     ck_ok(sg_chain_create(g, &score.base, &all_moves, 1, 0, 1, &c, &err));
-    ck_assert_int_eq(sg_chain_start(c, NULL, 5, &err), SG_ENOPARSE);
+    ck_assert_int_eq(sg_chain_start(c, NULL, 5, NULL, &err), SG_ENOPARSE);
     ck_assert_ptr_nonnull(strstr(err.msg, "5 samples"));
     sg_chain_free(c);
     sg_grammar_free(g);
@@ -391,7 +391,7 @@ START_TEST(a_swap_exchanges_where_chains_stand)
     fixture f = open_fixture(_i == 0 ? sized : passing, wants, &all_moves, 2, 1);
     sg_chain *b = NULL;
     ck_ok(sg_chain_create(f.g, &f.score->base, &all_moves, 2, 1, 0.4, &b, &err));
-    ck_ok(sg_chain_start(b, NULL, 1, &err));
+    ck_ok(sg_chain_start(b, NULL, 1, NULL, &err));
     gsl_rng *rng = sg_random_create(9);
     sg_derivation x, y, best[2];
     sg_derivation *const all[] = {&x, &y, &best[0], &best[1]};
@@ -538,7 +538,7 @@ START_TEST(warm_steps_allocate_nothing)
     ck_ok(sg_derivation_copy(&d, sg_chain_derivation(f.c), &err));
     sg_status st = SG_OK;
     for (int pass = 0; pass < 2; pass++) {
-        ck_ok(sg_chain_start(f.c, &d, 0, &err));
+        ck_ok(sg_chain_start(f.c, &d, 0, NULL, &err));
         test_allocations = 0;
         for (uint64_t i = 1; i < 3000; i++)
             st = st == SG_OK ? sg_chain_step(f.c, i, NULL, &err) : st;
@@ -573,12 +573,12 @@ START_TEST(failed_allocations_leave_the_chain_as_it_was)
             continue;
         const size_t k = at - first;
         test_fail_allocation(k);
-        st = sg_chain_start(c, NULL, 3, &err);
+        st = sg_chain_start(c, NULL, 3, NULL, &err);
         failed = test_allocation_failed();
         ck_assert(st == (failed ? SG_ENOMEM : SG_OK));
         failures[1] += failed != 0;
         if (failed)
-            ck_ok(sg_chain_start(c, NULL, 3, &err));
+            ck_ok(sg_chain_start(c, NULL, 3, NULL, &err));
         f.c = c;
         test_fail_allocation(k);
         int any = 0;

@@ -226,7 +226,7 @@ static size_t make_steps(fixture *f, size_t x, uint64_t *iteration)
     for (; steps < f->least_steps || (f->unseen > 0 && steps < MOST); steps++) {
         sg_move move;
         if (now != x) {
-            test_must_ok(sg_chain_start(f->chain, f->m.space.d + x, 0, &err));
+            test_must_ok(sg_chain_start(f->chain, f->m.space.d + x, 0, NULL, &err));
             check_posterior(f, x);
         }
         f->nheard = 0;

@@ -197,7 +197,7 @@ static void run_chain(const toy *t, const sg_grammar *g, const recipe *r, double
     toy_score_init(&score, t->log_of, NULL);
     sg_chain *c = NULL;
     ck_ok(sg_chain_create(g, &score.base, &opts, seed, 0, beta, &c, &err));
-    ck_ok(sg_chain_start(c, NULL, 5, &err));
+    ck_ok(sg_chain_start(c, NULL, 5, NULL, &err));
     batch_means_init(means, NFEATURES, steps);
     for (size_t i = 1; i <= steps + steps / 20; i++) {
         double f[NFEATURES];

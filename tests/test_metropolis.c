@@ -256,13 +256,13 @@ START_TEST(a_start_is_where_all_chains_begin)
 END_TEST
 
 typedef struct {
-    size_t calls, stop_after, reports;
+    size_t stop_after, reports;
 } stopper;
 
 static bool stop_now(sg_progress *p)
 {
     stopper *s = p->user;
-    return s->calls++ >= s->stop_after;
+    return s->reports >= s->stop_after;
 }
 
 static void report(sg_progress *p, const char *step, size_t done, size_t total)
@@ -278,7 +278,7 @@ START_TEST(a_stopped_search_has_its_best_so_far)
     fixture f;
     open_fixture(&f);
     const sg_metropolis_opts o = small_opts();
-    stopper s = {0, 7, 0};
+    stopper s = {7, 0};
     sg_progress progress = {report, stop_now, &s};
     ck_assert_int_eq(run(&f, &o, &progress, &err), SG_STOPPED);
     ck_assert_uint_eq(f.result.moves, 7 * 50 * 12);
@@ -294,6 +294,30 @@ START_TEST(a_stopped_search_has_its_best_so_far)
     ck_assert_double_eq(sg_posterior_log(&g.result.posterior), sg_posterior_log(&f.result.posterior));
     close_fixture(&f);
     close_fixture(&g);
+}
+END_TEST
+
+START_TEST(a_search_can_be_stopped_while_it_begins)
+{
+    sg_error err = SG_ERROR_INIT;
+    sg_metropolis_opts o = small_opts();
+    o.tries = 1000000000; /* hours */
+    stopper s = {0, 0};
+    sg_progress progress = {report, stop_now, &s};
+    fixture f;
+    open_fixture(&f);
+    ck_assert_int_eq(run(&f, &o, &progress, &err), SG_STOPPED);
+    ck_assert(f.result.moves == 0 && f.result.nruns == o.runs);
+    ck_ok(sg_derivation_check(&f.result.best, &err));
+    sg_metropolis_result_clear(&f.result);
+    o.time_s = 1e-9;
+    ck_ok(run(&f, &o, NULL, &err));
+    sg_metropolis_result_clear(&f.result);
+    f.score.log_of = impossible; /* nothing is found at all */
+    ck_assert_int_eq(run(&f, &o, &progress, &err), SG_STOPPED);
+    ck_assert(f.result.nruns == 0 && f.result.best.nnodes == 0);
+    ck_assert_int_eq(run(&f, &o, NULL, &err), SG_ENOPARSE);
+    close_fixture(&f);
 }
 END_TEST
 
@@ -428,6 +452,7 @@ int main(void)
     tcase_add_test(tc, equal_temperatures_always_swap);
     tcase_add_test(tc, a_start_is_where_all_chains_begin);
     tcase_add_test(tc, a_stopped_search_has_its_best_so_far);
+    tcase_add_test(tc, a_search_can_be_stopped_while_it_begins);
     tcase_add_test(tc, time_ends_a_search_well);
     tcase_add_test(tc, annealing_ends_higher);
     tcase_add_test(tc, failures_are_reported_and_leave_nothing);

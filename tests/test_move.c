@@ -2,7 +2,7 @@
 /* test_move.c - proposals, against derivations that are changed by hand and made anew from scratch. */
 #include "core/random.h"
 #include "derivation/change.h"
-#include "derivation/derivation_move.h"
+#include "derivation/derivation_switch.h"
 #include "tests/failing_malloc.h"
 #include "tests/grammar_support.h"
 
@@ -611,6 +611,86 @@ START_TEST(failed_allocations_are_reported)
 }
 END_TEST
 
+static const char alternatives[] = "%slabel t\nlabel w\nstart S\n"
+                                   "rule S -> 0.3 : split y { R | Q | R } sizes mean (0.4, 0.2, 0.4) sd (0.1, 0.1, 0.1)\n"
+                                   "       -> 0.3 : split y { R | Q | Q | w | R } sizes mean (0.2, 0.2, 0.2, 0.2, 0.2)\n"
+                                   "                  sd (0.1, 0.1, 0.1, 0.1, 0.1)\n"
+                                   "       -> 0.3 : split x { Q | R } sizes mean (0.5, 0.5) sd (0.1, 0.1) -> 0.1 : R\n"
+                                   "rule R -> 0.5 : split x { t | w | t } sizes mean (0.3, 0.2, 0.5) sd (0.1, 0.1, 0.1)\n"
+                                   "       -> 0.5 : split x { t | w | t | w | t } sizes mean (0.2, 0.2, 0.2, 0.2, 0.2)\n"
+                                   "                  sd (0.1, 0.1, 0.1, 0.1, 0.1)\n"
+                                   "rule Q -> 0.5 : w -> 0.5 : t\n";
+
+static size_t child_with(const sg_derivation *d, sg_sym symbol, bool last)
+{
+    size_t found = SIZE_MAX;
+    for (size_t c = 1; c < d->nnodes; c += d->nodes[c].length)
+        if (d->nodes[c].symbol == symbol && (last || found == SIZE_MAX))
+            found = c;
+    return found;
+}
+
+static void check_same_subtree(const sg_derivation *a, size_t i, const sg_derivation *b, size_t j)
+{
+    ck_assert_uint_eq(a->nodes[i].length, b->nodes[j].length);
+    for (uint32_t k = 0; k < a->nodes[i].length; k++)
+        ck_assert(a->nodes[i + k].rule == b->nodes[j + k].rule);
+    size_t n, m;
+    const double *u = sg_derivation_uniforms(a, i, &n), *v = sg_derivation_uniforms(b, j, &m);
+    ck_assert_uint_eq(n, m);
+    for (size_t k = 0; k < n; k++)
+        ck_assert_double_eq(u[k], v[k]);
+}
+
+/* At the root: the first R of both rules is kept where one is in front or tied, and each switch makes a whole derivation. */
+START_TEST(a_switch_keeps_what_two_rules_share)
+{
+    sg_error err = SG_ERROR_INIT;
+    char text[2000];
+    const bool tied = _i % 2 == 1;
+    snprintf(text, sizeof text, alternatives, tied ? "tied\n" : "");
+    fixture f = open_fixture(text, (uint64_t)_i + 1, 1);
+    const sg_sym r = sg_grammar_find(f.g, "R");
+    sg_switcher *w = NULL;
+    ck_ok(sg_switcher_create(f.g, &w, &err));
+    ck_assert(sg_switcher_useful(w));
+    int switched = 0;
+    for (int round = 0; round < 500; round++) {
+        double log_propose;
+        bool inside;
+        ck_ok(sg_derivation_sample(&f.d, f.rng, MOST, &err));
+        ck_ok(sg_switcher_propose(w, &f.d, 0, f.rng, MOST, &f.slice, &log_propose, &inside, &err));
+        if (!inside)
+            continue;
+        switched++;
+        ck_ok(sg_derivation_check(&f.slice, &err));
+        ck_assert(isfinite(log_propose) && f.slice.nodes[0].rule != f.d.nodes[0].rule);
+        check_same_subtree(&f.d, child_with(&f.d, r, false), &f.slice, child_with(&f.slice, r, false));
+        ck_ok(sg_switcher_propose(w, &f.d, 0, f.rng, f.d.nnodes / 2, &f.slice, &log_propose, &inside, &err));
+        ck_assert(!inside || f.slice.nnodes <= f.d.nnodes / 2);
+    }
+    ck_assert(switched > 100);
+    sg_switcher_free(w);
+    close_fixture(&f);
+}
+END_TEST
+
+START_TEST(rules_that_depend_on_arguments_are_not_switched)
+{
+    sg_error err = SG_ERROR_INIT;
+    fixture f = open_fixture(passing, 3, 1);
+    sg_switcher *w = NULL;
+    double log_propose;
+    bool inside;
+    ck_ok(sg_switcher_create(f.g, &w, &err));
+    ck_assert(!sg_switcher_useful(w));
+    ck_ok(sg_switcher_propose(w, &f.d, 0, f.rng, MOST, &f.slice, &log_propose, &inside, &err));
+    ck_assert(!inside);
+    sg_switcher_free(w);
+    close_fixture(&f);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("move");
@@ -628,6 +708,8 @@ int main(void)
     tcase_add_test(tc, repeats_that_trade_children_are_noticed);
     tcase_add_loop_test(tc, a_reflected_step_moves_one_uniform_and_keeps_them_uniform, 0, 3);
     tcase_add_loop_test(tc, a_shift_trades_between_two_sizes, 0, 4);
+    tcase_add_loop_test(tc, a_switch_keeps_what_two_rules_share, 0, 4);
+    tcase_add_test(tc, rules_that_depend_on_arguments_are_not_switched);
     tcase_add_loop_test(tc, shifts_keep_the_prior, 0, 3);
     tcase_add_test(tc, warm_proposals_allocate_nothing);
     tcase_add_test(tc, failed_allocations_are_reported);

@@ -170,12 +170,14 @@ static sg_status sample(sg_chain *c, bool *inside, sg_error *err)
 }
 
 /* The best of `tries` samples, by score, into c->at->d. */
-static sg_status sample_best(sg_chain *c, size_t tries, sg_error *err)
+static sg_status sample_best(sg_chain *c, size_t tries, sg_progress *progress, sg_error *err)
 {
     double best = -INFINITY;
     sg_random_stream(c->rng, c->seed, c->id, 0);
     for (size_t i = 0; i < tries || i == 0; i++) {
         bool inside;
+        if (i > 0 && sg_progress_stopped(progress))
+            return best > -INFINITY ? SG_OK : SG_FAIL(err, SG_STOPPED, "stopped before any derivation was found");
         SG_TRY(sample(c, &inside, err));
         sg_score_value score = {-INFINITY, -INFINITY};
         if (inside)
@@ -192,12 +194,12 @@ static sg_status sample_best(sg_chain *c, size_t tries, sg_error *err)
     return SG_FAIL(err, SG_ENOPARSE, "none of %zu samples of the grammar can be scored", tries > 0 ? tries : 1);
 }
 
-sg_status sg_chain_start(sg_chain *c, const sg_derivation *d, size_t tries, sg_error *err)
+sg_status sg_chain_start(sg_chain *c, const sg_derivation *d, size_t tries, sg_progress *progress, sg_error *err)
 {
     if (d != NULL)
         SG_TRY(sg_derivation_copy(&c->at->d, d, err));
     else
-        SG_TRY(sample_best(c, tries, err));
+        SG_TRY(sample_best(c, tries, progress, err));
     SG_TRY(sg_score_evaluate(c->at->score, &c->at->d, &c->at->posterior.score, err));
     if (!(c->at->posterior.score.log > -INFINITY))
         return SG_FAIL(err, SG_ENOPARSE, "the derivation to start at cannot be scored");

@@ -7,6 +7,7 @@
 #ifndef SG_SEARCH_CHAIN_H
 #define SG_SEARCH_CHAIN_H
 
+#include "core/progress.h"
 #include "derivation/derivation.h"
 #include "score/score.h"
 
@@ -78,8 +79,9 @@ sg_status sg_chain_create(const sg_grammar *g, const sg_score *score, const sg_k
 void sg_chain_free(sg_chain *c);
 
 /** Begin at a copy of d, or (NULL) at the best of `tries` samples of the prior, drawn from the stream of iteration 0.
- *  @return SG_OK, SG_ENOPARSE (the score is -INFINITY at d, or at every one of the samples), SG_ENUMERIC, SG_ENOMEM */
-sg_status sg_chain_start(sg_chain *c, const sg_derivation *d, size_t tries, sg_error *err);
+ *  @param progress  may be NULL; asked between samples whether to stop. Then the best so far will do
+ *  @return SG_OK, SG_STOPPED (before any sample could be scored), SG_ENOPARSE (the score is -INFINITY at d, or at every one of the samples), SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_chain_start(sg_chain *c, const sg_derivation *d, size_t tries, sg_progress *progress, sg_error *err);
 
 /** One iteration (numbered from 1), all its stages. @param move  out, may be NULL
  *  @return SG_OK, SG_ENUMERIC (the grammar itself fails), SG_ENOMEM */

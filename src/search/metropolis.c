@@ -25,6 +25,8 @@ typedef struct {
     sg_error *errors;  /* [n] */
     int threads;
     gsl_rng *rng;      /* of swaps */
+    sg_progress *progress; /* the caller's */
+    double begin_s;
     size_t done, block; /* iterations, blocks */
     size_t trace_capacity;
 } search;
@@ -168,19 +170,24 @@ static sg_status one_block(search *s)
     return sample(s, before);
 }
 
-static sg_status all_blocks(search *s, sg_progress *progress)
+static bool out_of_time(const search *s)
+{
+    return s->opts->time_s > 0 && now_s() - s->begin_s >= s->opts->time_s;
+}
+
+static sg_status all_blocks(search *s)
 {
     const double start = now_s();
     sg_status st = SG_OK;
     while (st == SG_OK && s->done < s->opts->iterations) {
-        if (sg_progress_stopped(progress)) {
+        if (sg_progress_stopped(s->progress)) {
             st = SG_FAIL(s->err, SG_STOPPED, "stopped after %zu of %zu iterations", s->done, s->opts->iterations);
             break;
         }
         st = one_block(s);
-        sg_progress_report(progress, "moves", s->out->moves, s->opts->iterations * s->n);
+        sg_progress_report(s->progress, "moves", s->out->moves, s->opts->iterations * s->n);
         s->out->seconds = now_s() - start;
-        if (s->opts->time_s > 0 && s->out->seconds >= s->opts->time_s)
+        if (out_of_time(s))
             break;
     }
     return st;
@@ -204,11 +211,18 @@ static sg_status make_chains(search *s, const sg_grammar *g, const sg_score *sco
     return SG_OK;
 }
 
+static bool start_is_over(sg_progress *self)
+{
+    const search *s = self->user;
+    return out_of_time(s) || sg_progress_stopped(s->progress);
+}
+
 /* The result begins as a copy of where chains begin: work() takes no more arguments. */
 static sg_status start_chain(search *s, size_t i, sg_error *err)
 {
     const sg_derivation *start = s->out->best.nnodes > 0 ? &s->out->best : NULL;
-    return sg_chain_start(s->chains[i], start, s->opts->tries, err);
+    sg_progress until = {.stop = start_is_over, .user = s};
+    return sg_chain_start(s->chains[i], start, s->opts->tries, &until, err);
 }
 
 static void add_stats(sg_chain_stats *sum, const sg_chain_stats *s)
@@ -253,14 +267,17 @@ static void clear_search(search *s)
     free(s->errors);
 }
 
-static sg_status run(search *s, const sg_grammar *g, const sg_score *score, const sg_derivation *start,
-                     sg_progress *progress)
+static sg_status run(search *s, const sg_grammar *g, const sg_score *score, const sg_derivation *start)
 {
     SG_TRY(make_chains(s, g, score));
     if (start != NULL)
         SG_TRY(sg_derivation_copy(&s->out->best, start, s->err));
-    SG_TRY(for_each_chain(s, start_chain));
-    const sg_status st = all_blocks(s, progress);
+    sg_status st = for_each_chain(s, start_chain);
+    if (st == SG_STOPPED && !sg_progress_stopped(s->progress)) /* out of time is no wish to stop, but nothing was found */
+        return SG_FAIL(s->err, SG_ENOPARSE, "in %g s no sample of the grammar was found that can be scored", s->opts->time_s);
+    if (st != SG_OK)
+        return st;
+    st = all_blocks(s);
     if (st != SG_OK && st != SG_STOPPED)
         return st;
     SG_TRY(collect(s));
@@ -276,9 +293,11 @@ sg_status sg_metropolis_run(const sg_grammar *g, const sg_score *score, const sg
     SG_TRY(check_opts(opts, err));
     search s = {.opts = opts, .sampler = sampler, .out = out, .err = err, .n = opts->runs * opts->chains};
     s.threads = opts->threads > 0 ? opts->threads : omp_get_max_threads();
-    const sg_status st = run(&s, g, score, start, progress);
+    s.progress = progress;
+    s.begin_s = now_s();
+    const sg_status st = run(&s, g, score, start);
     clear_search(&s);
-    if (st != SG_OK && st != SG_STOPPED)
+    if ((st != SG_OK && st != SG_STOPPED) || out->run_best == NULL) /* stopped before there was anything to collect */
         sg_metropolis_result_clear(out);
     return st;
 }

@@ -17,7 +17,7 @@ typedef struct {
     size_t tries;                    /* samples of the prior from which a chain begins at the best */
     double anneal;                   /* 1: none; else in the last half of the iterations all inverse temperatures, and with
                                         them the prior, rise to this: annealing sharpens the full posterior */
-    double time_s;                   /* 0: no limit; the result then depends on the machine */
+    double time_s;                   /* starting included; 0: no limit. The result then depends on the machine */
     uint64_t seed;
     int threads;                     /* 0: all */
     sg_kernel_opts kernel;
@@ -56,7 +56,8 @@ typedef struct {
 
 /** @param start    derivation where all chains begin, or NULL
  *  @param sampler  may be NULL
- *  @return SG_OK; SG_STOPPED (asked to stop, out of time is SG_OK): out holds the best so far; SG_EINVAL, SG_ENOPARSE, SG_ENUMERIC,
+ *  @return SG_OK; SG_STOPPED (asked to stop, out of time is SG_OK): out holds the best so far, or is empty when nothing was
+ *          found yet; SG_EINVAL, SG_ENOPARSE, SG_ENUMERIC,
  *          SG_ENOMEM: out is empty. Clear out in every case */
 sg_status sg_metropolis_run(const sg_grammar *g, const sg_score *score, const sg_metropolis_opts *opts,
                             const sg_derivation *start, const sg_sampler *sampler, sg_progress *progress,

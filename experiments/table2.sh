@@ -20,7 +20,7 @@ forest_patch="--features patch --balanced --trees 4 --depth 8"
 learn_rich="--max-images 0"
 learn_patch="--max-images 0 --tied --compatible sizes --regroup floors"
 parse_rich="--unary-weight 0.1"
-parse_patch="--hard 0.994 --unary-weight 0.01"
+parse_patch="--hard 0.994 --unary-weight 0.01 --runs 2"
 # row, unaries, grammar (learned, or a file of data/grammars), method
 rows=${ROWS:-"rich-learned rich-written rich-exact patch-learned patch-written patch-exact"}
 written=ecp.sg

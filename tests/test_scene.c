@@ -2,46 +2,10 @@
 /* test_scene.c - derivations as primitives in space: known coordinates, slices, statuses, failing memory. */
 #include "grammar/shape_ops.h"
 #include "scene/label_scene.h"
-#include "scene/scene.h"
 #include "tests/failing_malloc.h"
-#include "tests/grammar_support.h"
-#include "tests/random_grammar.h"
+#include "tests/scene_support.h"
 
-typedef struct {
-    sg_grammar *g;
-    sg_derivation d;
-    gsl_rng *rng;
-    sg_scene scene;
-    sg_scene_opts opts;
-} fixture;
-
-static fixture open_fixture(const char *text, uint64_t seed)
-{
-    sg_error err = SG_ERROR_INIT;
-    fixture f = {.rng = sg_random_create(seed), .opts = SG_SCENE_OPTS_INIT};
-    f.g = test_grammar(text);
-    sg_derivation_init(&f.d, f.g);
-    ck_ok(sg_derivation_sample(&f.d, f.rng, 1000000, &err));
-    return f;
-}
-
-static fixture interpret(const char *text)
-{
-    sg_error err = SG_ERROR_INIT;
-    fixture f = open_fixture(text, 1);
-    ck_ok(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err));
-    return f;
-}
-
-static void close_fixture(fixture *f)
-{
-    sg_scene_clear(&f->scene);
-    sg_derivation_clear(&f->d);
-    gsl_rng_free(f->rng);
-    sg_grammar_free(f->g);
-}
-
-static const sg_primitive *item(const fixture *f, size_t i, sg_primitive_kind kind)
+static const sg_primitive *item(const test_scene *f, size_t i, sg_primitive_kind kind)
 {
     ck_assert_uint_lt(i, f->scene.n);
     ck_assert_uint_eq(f->scene.items[i].kind, kind);
@@ -56,7 +20,7 @@ static void check_point(const sg_primitive *p, double a, double b, double c, dou
                   "(%g, %g, %g), not (%g, %g, %g)", at[0], at[1], at[2], x, y, z);
 }
 
-static void check_segment(const fixture *f, size_t i, const double *from, const double *to)
+static void check_segment(const test_scene *f, size_t i, const double *from, const double *to)
 {
     const sg_primitive *p = item(f, i, SG_PRIMITIVE_SEGMENT);
     check_point(p, 0, 0, 0, from[0], from[1], from[2]);
@@ -68,7 +32,7 @@ static void check_segment(const fixture *f, size_t i, const double *from, const 
 /* Heading up, the turtle's left is -x and its up is z. */
 START_TEST(the_turtle_turns_pitches_and_rolls)
 {
-    fixture f = interpret("start S\nrule S -> [ turn(90) draw(2) ] [ pitch(90) draw(3) ] [ roll(90) turn(90) draw(4) ] "
+    test_scene f = test_scene_of("start S\nrule S -> [ turn(90) draw(2) ] [ pitch(90) draw(3) ] [ roll(90) turn(90) draw(4) ] "
                           "move(1) draw(-2) [ turn(-90) move(1) draw(1) ]\n");
     ck_assert_uint_eq(f.scene.n, 5);
     check_segment(&f, 0, V(0, 0, 0), V(-2, 0, 0));
@@ -76,14 +40,14 @@ START_TEST(the_turtle_turns_pitches_and_rolls)
     check_segment(&f, 2, V(0, 0, 0), V(0, 0, 4)); /* left has rolled to up */
     check_segment(&f, 3, V(0, 1, 0), V(0, -1, 0));
     check_segment(&f, 4, V(1, -1, 0), V(2, -1, 0));
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 /* A segment begins as wide as the one before it ends; what moves away begins a new chain. */
 START_TEST(segments_share_radii_at_joints)
 {
-    fixture f = interpret("start S\nrule S -> width(0.4) draw(1) T width(0.2) [ turn(30) draw(1) ] draw(1) move(0.5) width(-1) draw(1)\n"
+    test_scene f = test_scene_of("start S\nrule S -> width(0.4) draw(1) T width(0.2) [ turn(30) draw(1) ] draw(1) move(0.5) width(-1) draw(1)\n"
                           "rule T -> turn(20) width(0.1) draw(1) width(0.06) draw(0) draw(1)\n");
     static const double want[6][2] = {{0.2, 0.2}, {0.2, 0.1}, {0.2, 0.1}, {0, 0}, {0.2, 0.05}, {0.05, 0.03}};
     ck_assert_uint_eq(f.scene.n, 6);
@@ -92,27 +56,27 @@ START_TEST(segments_share_radii_at_joints)
             ck_assert_double_eq_tol(item(&f, i, SG_PRIMITIVE_SEGMENT)->radius[k], want[i][k], 1e-12);
     ck_assert_uint_eq(f.scene.items[0].node, 0);
     ck_assert_uint_eq(f.scene.items[4].node, 1);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 /* A heading at angle a to T = (0, -1, 0) is bent by e sin(a) radians towards it after each segment. */
 START_TEST(tropism_bends_by_its_torque)
 {
-    fixture f = interpret("start S\nrule S -> turn(-60) tropism(0, -2, 0, 0.1) draw(1) draw(1)\n");
+    test_scene f = test_scene_of("start S\nrule S -> turn(-60) tropism(0, -2, 0, 0.1) draw(1) draw(1)\n");
     const double a = acos(-1) / 3, b = a + 0.2 * sin(a);
     check_segment(&f, 0, V(0, 0, 0), V(sin(a), cos(a), 0));
     check_segment(&f, 1, V(sin(a), cos(a), 0), V(sin(a) + sin(b), cos(a) + cos(b), 0));
-    close_fixture(&f);
-    f = interpret("start S\nrule S -> tropism(0, -1, 0, 0.5) draw(1) draw(1)\n"); /* against T: no torque */
+    test_close_scene(&f);
+    f = test_scene_of("start S\nrule S -> tropism(0, -1, 0, 0.5) draw(1) draw(1)\n"); /* against T: no torque */
     check_segment(&f, 1, V(0, 1, 0), V(0, 2, 0));
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 START_TEST(scopes_are_moved_turned_and_sized)
 {
-    fixture f = interpret("start S\nrule S -> translate(1, 2, 3) rotate(0, 90, 0) size(2, 3, 4) scale(1, 2, -1) insert(box) "
+    test_scene f = test_scene_of("start S\nrule S -> translate(1, 2, 3) rotate(0, 90, 0) size(2, 3, 4) scale(1, 2, -1) insert(box) "
                           "scale(1, 1, 5) insert(box) size(1, 2, 3) insert(box) rotate(90, 0, 90) insert(cone) size(0, 2, 3) insert(\"a.obj\") insert(sphere)\n");
     ck_assert_uint_eq(f.scene.n, 5); /* the sphere is flat */
     const sg_primitive *p = item(&f, 0, SG_PRIMITIVE_POLYGON); /* depth 0 */
@@ -127,14 +91,14 @@ START_TEST(scopes_are_moved_turned_and_sized)
     ck_assert(p->radius[0] == 1 && p->radius[1] == 0);
     p = item(&f, 4, SG_PRIMITIVE_MESH);
     ck_assert_str_eq(sg_grammar_string(f.g, p->mesh), "a.obj");
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 /* One zero size: a rectangle that looks outwards. Two: nothing. */
 START_TEST(flat_scopes_are_rectangles)
 {
-    fixture f = interpret("label t #ff0000\nstart S\nrule S -> size(2, 3, 0) t size(2, 0, 3) t size(0, 2, 3) t size(0, 0, 1) t\n");
+    test_scene f = test_scene_of("label t #ff0000\nstart S\nrule S -> size(2, 3, 0) t size(2, 0, 3) t size(0, 2, 3) t size(0, 0, 1) t\n");
     ck_assert_uint_eq(f.scene.n, 3);
     static const double normal[3][3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
     for (size_t i = 0; i < 3; i++) {
@@ -143,35 +107,35 @@ START_TEST(flat_scopes_are_rectangles)
         for (int k = 0; k < 3; k++)
             ck_assert_double_eq(p->frame.z[k], normal[i][k]);
     }
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 START_TEST(splits_cut_along_all_axes)
 {
-    fixture f = interpret("label a\nlabel b\nlabel c\nstart S\n"
+    test_scene f = test_scene_of("label a\nlabel b\nlabel c\nstart S\n"
                           "rule S -> size(10, 4, 6) split x { 2 : split z { ~1 : a | '0.5 : b } | ~1 : nothing | ~3 : repeat y 2 { c } }\n");
     ck_assert_uint_eq(f.scene.n, 4);
     check_point(item(&f, 0, SG_PRIMITIVE_BOX), 0, 0, 3, 0, 0, 3);
     check_point(item(&f, 1, SG_PRIMITIVE_BOX), 0, 0, 3, 0, 0, 6);
     check_point(item(&f, 2, SG_PRIMITIVE_BOX), 6, 2, 6, 10, 2, 6);
     check_point(item(&f, 3, SG_PRIMITIVE_BOX), 6, 2, 6, 10, 4, 6);
-    close_fixture(&f);
+    test_close_scene(&f);
     /* Parts that are larger than the scope are cut off at its end, parts that do not fill it leave the rest empty. */
-    f = interpret("label a\nstart S\nrule S -> size(3, 1, 1) split x { 2 : a | 2 : a | 1 : B } C split z { 1 : nothing | 1 : B } split y { '0.25 : a }\n"
+    f = test_scene_of("label a\nstart S\nrule S -> size(3, 1, 1) split x { 2 : a | 2 : a | 1 : B } C split z { 1 : nothing | 1 : B } split y { '0.25 : a }\n"
                   "rule B -> insert(sphere)\nrule C -> draw(1)\n");
     ck_assert_uint_eq(f.scene.n, 4);
     ck_assert_double_eq_tol(item(&f, 1, SG_PRIMITIVE_BOX)->size[0], 1, 1e-9); /* shares are multiples of 2^-40 */
     ck_assert_double_eq(item(&f, 3, SG_PRIMITIVE_BOX)->size[1], 0.25);
     item(&f, 2, SG_PRIMITIVE_SEGMENT); /* successors that are passed over do not shift those behind them */
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 /* Six faces look outwards; each goes to the first part that takes it, and all places of a part are the same derivation. */
 START_TEST(components_are_faces)
 {
-    fixture f = interpret("label t\nlabel u\nlabel v\nstart S\n"
+    test_scene f = test_scene_of("label t\nlabel u\nlabel v\nstart S\n"
                           "rule S -> translate(1, 1, 1) size(2, 3, 4) components { top : t | side : U | back : u | all : v | front : u } W\n"
                           "rule U -> 0.5 : u -> 0.5 : u u\nrule W -> draw(1)\n");
     static const double centre[6][3] = {{2, 4, 3}, {2, 2.5, 5}, {2, 2.5, 1}, {1, 2.5, 3}, {3, 2.5, 3}, {2, 1, 3}};
@@ -186,13 +150,13 @@ START_TEST(components_are_faces)
             ck_assert_double_eq(p->frame.z[k], normal[i][k]);
     }
     item(&f, f.scene.n - 1, SG_PRIMITIVE_SEGMENT); /* what follows finds its own child */
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 START_TEST(extrusions_are_solids_unless_taken_over)
 {
-    fixture f = interpret("label t\nlabel r\nstart S\n"
+    test_scene f = test_scene_of("label t\nlabel r\nstart S\n"
                           "rule S -> [ size(2, 3, 0) extrude(0.5) set_label(t) ] [ size(2, 3, 0) extrude(-1) ] "
                           "[ size(2, 0, 3) extrude(4) set_label(r) hip_roof(45) ] [ size(1, 1, 0) extrude(1) t ]\n");
     ck_assert_uint_eq(f.scene.n, 5);
@@ -203,14 +167,14 @@ START_TEST(extrusions_are_solids_unless_taken_over)
     check_point(item(&f, 2, SG_PRIMITIVE_HIP), 1, 1, 1, 1, 5, 1);
     check_point(item(&f, 3, SG_PRIMITIVE_BOX), 2, 4, 3, 2, 4, 3);
     item(&f, 4, SG_PRIMITIVE_BOX);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 /* The ridge follows the longer side; an overhang widens the roof. */
 START_TEST(roofs_stand_on_faces_and_tops)
 {
-    fixture f = interpret("start S\nrule S -> size(6, 2, 4) gable_roof(45) hip_roof(45, 1) flat_roof() flat_roof(0.5) "
+    test_scene f = test_scene_of("start S\nrule S -> size(6, 2, 4) gable_roof(45) hip_roof(45, 1) flat_roof() flat_roof(0.5) "
                           "size(4, 6, 0) gable_roof(45) gable_roof(-3) hip_roof(10, -2)\n");
     ck_assert_uint_eq(f.scene.n, 6);
     const sg_primitive *p = item(&f, 0, SG_PRIMITIVE_PRISM);
@@ -226,27 +190,27 @@ START_TEST(roofs_stand_on_faces_and_tops)
     check_point(p, p->corner[2][0], p->corner[2][1], 0, 2, 6, 2);
     check_point(p, p->corner[2][0], p->corner[2][1], 6, 2, 0, 2);
     item(&f, 5, SG_PRIMITIVE_POLYGON);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 START_TEST(materials_are_named_coloured_or_those_of_labels)
 {
-    fixture f = interpret("label t #102030\nstart S\nrule S -> insert(box) t set_material(#405060) t set_material(brick) t insert(box)\n");
+    test_scene f = test_scene_of("label t #102030\nstart S\nrule S -> insert(box) t set_material(#405060) t set_material(brick) t insert(box)\n");
     static const uint32_t color[] = {0xc8c8c8, 0x102030, 0x405060, 0x102030, 0xc8c8c8};
     for (size_t i = 0; i < 5; i++) {
         const char *name;
         ck_assert_uint_eq(sg_scene_material(f.g, f.scene.items + i, &name), color[i]);
         ck_assert(i < 3 ? name == NULL : name != NULL && strcmp(name, "brick") == 0);
     }
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 START_TEST(tied_siblings_are_placed_at_every_occurrence)
 {
     sg_error err = SG_ERROR_INIT;
-    fixture f = open_fixture("tied\nlabel a\nlabel b\nstart S\nrule S -> split x { A | b | A } repeat y 2 { A }\n"
+    test_scene f = test_open_scene("tied\nlabel a\nlabel b\nstart S\nrule S -> split x { A | b | A } repeat y 2 { A }\n"
                              "rule A -> split y { a | b } sizes mean (0.3, 0.7) sd (0.1, 0.1)\n",
                              (uint64_t)_i + 1);
     sg_scene_states states = {0};
@@ -258,7 +222,7 @@ START_TEST(tied_siblings_are_placed_at_every_occurrence)
     ck_assert_double_eq_tol(f.scene.items[3].frame.origin[0], 2.0 / 3, 1e-9);
     ck_assert(f.scene.items[5].node != f.scene.items[7].node); /* derived anew in a repeat */
     sg_scene_states_clear(&states);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
@@ -266,7 +230,7 @@ END_TEST
 START_TEST(label_scenes_agree)
 {
     sg_error err = SG_ERROR_INIT;
-    fixture f = open_fixture("label t\nlabel u\nstart S\nrule S -> split x { 10 : t | ~1 : A | '0.2 : t | ~2 : A }\n"
+    test_scene f = test_open_scene("label t\nlabel u\nstart S\nrule S -> split x { 10 : t | ~1 : A | '0.2 : t | ~2 : A }\n"
                              "rule A -> split y { t | u | t } sizes mean (0.3, 0.4, 0.3) sd (0.2, 0.2, 0.2)\n",
                              (uint64_t)_i + 1);
     sg_label_scene labels = {0};
@@ -286,31 +250,11 @@ START_TEST(label_scenes_agree)
         ck_assert_uint_eq(found, 1);
     }
     sg_label_scene_clear(&labels);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 /* ---- slices, on random grammars ---- */
-
-/* A random grammar and a derivation of it that can be interpreted; false when this seed gives none. */
-static bool random_fixture(uint64_t seed, fixture *f)
-{
-    random_grammar_opts opts = RANDOM_GRAMMAR_OPTS_INIT;
-    opts.derivable = true;
-    opts.strange_layout = false;
-    *f = (fixture){.rng = sg_random_create(seed), .opts = SG_SCENE_OPTS_INIT};
-    char *text = random_grammar_text(f->rng, &opts);
-    f->g = test_grammar(text);
-    free(text);
-    f->opts.max_places = 200000;
-    sg_derivation_init(&f->d, f->g);
-    for (int tries = 0; tries < 10; tries++)
-        if (sg_derivation_sample(&f->d, f->rng, 3000, NULL) == SG_OK &&
-            sg_scene_interpret(&f->d, &f->opts, &f->scene, NULL) == SG_OK)
-            return true;
-    close_fixture(f);
-    return false;
-}
 
 /* Where the primitives of place i end. */
 static size_t end_of(const sg_scene *scene, const sg_scene_states *s, size_t i)
@@ -320,7 +264,7 @@ static size_t end_of(const sg_scene *scene, const sg_scene_states *s, size_t i)
 }
 
 /* Each place, interpreted by itself from its state, gives what stands in the whole, and its own places. */
-static void check_slice(const fixture *f, const sg_scene_states *whole, size_t i)
+static void check_slice(const test_scene *f, const sg_scene_states *whole, size_t i)
 {
     sg_error err = SG_ERROR_INIT;
     const sg_scene_place *p = whole->places + i;
@@ -340,7 +284,7 @@ static void check_slice(const fixture *f, const sg_scene_states *whole, size_t i
     sg_scene_states_clear(&inner);
 }
 
-static void check_primitive(const fixture *f, const sg_primitive *p)
+static void check_primitive(const test_scene *f, const sg_primitive *p)
 {
     test_must(p->kind < SG_PRIMITIVE_COUNT && p->node < f->d.nnodes);
     test_must(fabs(sg_vec_dot(p->frame.x, p->frame.y)) < 1e-12 && fabs(sg_vec_length(p->frame.z) - 1) < 1e-12);
@@ -354,8 +298,8 @@ START_TEST(the_whole_is_the_concatenation_of_slices)
 {
     sg_error err = SG_ERROR_INIT;
     for (uint64_t k = 0; k < 20; k++) {
-        fixture f;
-        if (!random_fixture((uint64_t)_i * 20 + k + 1, &f))
+        test_scene f;
+        if (!test_random_scene((uint64_t)_i * 20 + k + 1, &f))
             continue;
         sg_scene again = {0};
         sg_scene_states states = {0};
@@ -370,7 +314,7 @@ START_TEST(the_whole_is_the_concatenation_of_slices)
             check_slice(&f, &states, i);
         sg_scene_clear(&again);
         sg_scene_states_clear(&states);
-        close_fixture(&f);
+        test_close_scene(&f);
     }
 }
 END_TEST
@@ -379,14 +323,14 @@ START_TEST(most_random_grammars_make_scenes)
 {
     size_t good = 0, primitives = 0, kinds[SG_PRIMITIVE_COUNT] = {0};
     for (uint64_t seed = 1; seed <= 300; seed++) {
-        fixture f;
-        if (!random_fixture(seed, &f))
+        test_scene f;
+        if (!test_random_scene(seed, &f))
             continue;
         good++;
         primitives += f.scene.n;
         for (size_t i = 0; i < f.scene.n; i++)
             kinds[f.scene.items[i].kind]++;
-        close_fixture(&f);
+        test_close_scene(&f);
     }
     ck_assert_msg(good > 200, "%zu of 300", good);
     ck_assert_uint_gt(primitives, 1000);
@@ -399,12 +343,12 @@ END_TEST
 /* A chain much deeper than a C stack would bear, and frames that stay orthonormal all along it. */
 START_TEST(deep_derivations_take_no_stack)
 {
-    fixture f = interpret("limit depth 300000\nstart S\nrule S -> turn(7) pitch(5) draw(0.01) S\nrule S at limit -> insert(box)\n");
+    test_scene f = test_scene_of("limit depth 300000\nstart S\nrule S -> turn(7) pitch(5) draw(0.01) S\nrule S at limit -> insert(box)\n");
     ck_assert_uint_eq(f.scene.n, 300001 + 1);
     const sg_frame *last = &f.scene.items[f.scene.n - 1].frame;
     ck_assert_double_eq_tol(sg_vec_length(last->x), 1, 1e-12);
     ck_assert_double_eq_tol(sg_vec_dot(last->x, last->y), 0, 1e-12);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
@@ -413,13 +357,13 @@ END_TEST
 static void check_fails(const char *text, size_t max_places, const char *sentence)
 {
     sg_error err = SG_ERROR_INIT;
-    fixture f = open_fixture(text, 1);
+    test_scene f = test_open_scene(text, 1);
     f.opts.max_places = max_places;
     ck_assert_int_eq(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err), SG_ENUMERIC);
     ck_assert_msg(strstr(err.msg, sentence) != NULL, "%s", err.msg);
     ck_assert_ptr_eq(strstr(err.msg, "S (rule in line "), err.msg);
     ck_assert_uint_eq(f.scene.n, 0);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 
 START_TEST(what_cannot_be_is_refused)
@@ -438,7 +382,7 @@ END_TEST
 START_TEST(arguments_are_checked_and_open_nodes_are_empty)
 {
     sg_error err = SG_ERROR_INIT;
-    fixture f = interpret("limit depth 1\nstart S\nrule S -> draw(1) A\nrule A -> draw(2) A\n");
+    test_scene f = test_scene_of("limit depth 1\nstart S\nrule S -> draw(1) A\nrule A -> draw(2) A\n");
     const sg_scene_state first = sg_scene_first_state(&f.opts);
     ck_assert_uint_eq(f.scene.n, 2); /* the second A is cut at the limit */
     ck_assert_int_eq(sg_scene_interpret_slice(&f.d, f.d.nnodes, &first, &f.opts, &f.scene, NULL, &err), SG_EINVAL);
@@ -449,13 +393,13 @@ START_TEST(arguments_are_checked_and_open_nodes_are_empty)
     sg_derivation none;
     sg_derivation_init(&none, f.g);
     ck_assert_int_eq(sg_scene_interpret(&none, &f.opts, &f.scene, &err), SG_EINVAL);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 
 START_TEST(each_allocation_may_fail)
 {
-    fixture f = open_fixture("label t\nstart S\nrule S -> repeat x 20 { A } draw(1) components { side : A }\n"
+    test_scene f = test_open_scene("label t\nstart S\nrule S -> repeat x 20 { A } draw(1) components { side : A }\n"
                              "rule A -> draw(1) t B\nrule B -> insert(sphere)\n",
                              1);
     size_t failures = 0;
@@ -474,7 +418,7 @@ START_TEST(each_allocation_may_fail)
         sg_scene_states_clear(&states);
     }
     ck_assert_uint_gt(failures, 6);
-    close_fixture(&f);
+    test_close_scene(&f);
 }
 END_TEST
 

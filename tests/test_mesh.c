@@ -206,6 +206,7 @@ START_TEST(shapes_have_their_volumes)
     check_shape("width(2) draw(3) draw(2)", 8, 26, 32, 0, 5 * octagon);
     check_shape("width(2) draw(3) width(0) draw(3)", 8, 18, 24, 0, 4 * octagon);
     check_shape("width(2) draw(3) turn(100) draw(3)", 8, 36, 48, 0, 6 * octagon);
+    check_shape("width(2) draw(0.1) turn(60) draw(0.1)", 8, 36, 48, 0, 0.2 * octagon); /* too short for a bend */
     check_shape("width(0) draw(3)", 8, 0, 0, 0, 0);
     check_shape("width(2) draw(0.0000000001) size(1, 1, 0.0000000001) insert(box)", 8, 0, 0, 0, 0);
 }

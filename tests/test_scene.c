@@ -123,11 +123,11 @@ START_TEST(splits_cut_along_all_axes)
     test_close_scene(&f);
     /* Parts that are larger than the scope are cut off at its end, parts that do not fill it leave the rest empty. */
     f = test_scene_of("label a\nstart S\nrule S -> size(3, 1, 1) split x { 2 : a | 2 : a | 1 : B } C split z { 1 : nothing | 1 : B } split y { '0.25 : a }\n"
-                  "rule B -> insert(sphere)\nrule C -> draw(1)\n");
+                  "rule B -> draw(2)\nrule C -> draw(1)\n");
     ck_assert_uint_eq(f.scene.n, 4);
     ck_assert_double_eq_tol(item(&f, 1, SG_PRIMITIVE_BOX)->size[0], 1, 1e-9); /* shares are multiples of 2^-40 */
     ck_assert_double_eq(item(&f, 3, SG_PRIMITIVE_BOX)->size[1], 0.25);
-    item(&f, 2, SG_PRIMITIVE_SEGMENT); /* successors that are passed over do not shift those behind them */
+    ck_assert_double_eq(item(&f, 2, SG_PRIMITIVE_SEGMENT)->size[1], 1); /* successors that are passed over do not shift those behind them */
     test_close_scene(&f);
 }
 END_TEST
@@ -150,6 +150,24 @@ START_TEST(components_are_faces)
             ck_assert_double_eq(p->frame.z[k], normal[i][k]);
     }
     item(&f, f.scene.n - 1, SG_PRIMITIVE_SEGMENT); /* what follows finds its own child */
+    test_close_scene(&f);
+}
+END_TEST
+
+/* A repeat derives children anew, but each face of a part shows the same ones; in a piece of the scope no segment ends. */
+START_TEST(repeats_on_faces_are_alike)
+{
+    test_scene f = test_scene_of("start S\nrule S -> draw(1) size(1, 2, 1) components { side : repeat y 2 { A } } A\n"
+                                 "rule A -> width(uniform(0, 1)) draw(1)\n");
+    ck_assert_uint_eq(f.scene.n, 1 + 4 * 2 + 1);
+    ck_assert_uint_eq(f.d.nnodes, 1 + 2 + 1);
+    for (size_t i = 1; i < 9; i++) {
+        const sg_primitive *p = item(&f, i, SG_PRIMITIVE_SEGMENT);
+        ck_assert_uint_eq(p->node, i % 2 == 1 ? 1 : 2);
+        ck_assert_double_eq(p->radius[0], p->radius[1]);
+    }
+    ck_assert_uint_eq(item(&f, 9, SG_PRIMITIVE_SEGMENT)->node, 3);
+    ck_assert_double_eq(item(&f, 9, SG_PRIMITIVE_SEGMENT)->radius[0], 0.05);
     test_close_scene(&f);
 }
 END_TEST
@@ -433,6 +451,7 @@ static Suite *scene_suite(void)
     tcase_add_test(known, flat_scopes_are_rectangles);
     tcase_add_test(known, splits_cut_along_all_axes);
     tcase_add_test(known, components_are_faces);
+    tcase_add_test(known, repeats_on_faces_are_alike);
     tcase_add_test(known, extrusions_are_solids_unless_taken_over);
     tcase_add_test(known, roofs_stand_on_faces_and_tops);
     tcase_add_test(known, materials_are_named_coloured_or_those_of_labels);

@@ -235,17 +235,19 @@ START_TEST(spheres_are_round)
 }
 END_TEST
 
-static const char plant[] = "limit depth 6\nstart T(1)\n"
-                            "rule T(l) -> width(l / 5) tropism(0, -1, 0, 0.1) draw(l) turn(uniform(-20, 20)) draw(l) "
-                            "[ turn(40) set_material(twig) T(l * 0.7) ] [ roll(120) turn(35) T(l * 0.6) ] roll(90) T(l * 0.8)\n"
-                            "rule T(l) at limit -> size(0.2, 0.2, 0.2) insert(sphere)\n";
+static const char plant[] =
+    "limit depth 6\nstart T(1)\n"
+    "rule T(l) -> width(l / 5) tropism(0, -1, 0, 0.1) draw(l) turn(uniform(-20, 20)) draw(l) "
+    "[ turn(40) set_material(twig) T(l * 0.7) ] [ roll(120) turn(35) T(l * 0.6) ] roll(90) T(l * 0.8)\n"
+    "rule T(l) at limit -> size(0.2, 0.2, 0.2) insert(sphere)\n";
 
 /* A strand goes on along the straightest branch; each segment continues one other at most. */
 START_TEST(strands_share_rings)
 {
     sg_error err = SG_ERROR_INIT;
-    test_scene f = test_scene_of("start S\nrule S -> width(0.2) draw(1) [ turn(40) draw(1) ] turn(10) draw(1) [ A ] turn(-5) draw(1)\n"
-                                 "rule A -> draw(1)\n");
+    test_scene f = test_scene_of(
+        "start S\nrule S -> width(0.2) draw(1) [ turn(40) draw(1) ] turn(10) draw(1) [ A ] turn(-5) draw(1)\n"
+        "rule A -> draw(1)\n");
     sg_mesh_strands s;
     ck_ok(sg_mesh_strands_find(&f.scene, &s, &err));
     ck_assert(s.next[0] == 2 && s.next[1] == SG_NONE && s.next[2] == 4 && s.next[3] == SG_NONE);
@@ -398,8 +400,9 @@ START_TEST(a_quad_is_written_to_the_letter)
     test_scene f = test_scene_of("label t #ff8000\nstart S\nrule S -> rotate(0, 90, 0) size(2, 1, 0) t\n");
     sg_mesh m = mesh_of(&f.scene, 8, 0);
     char *obj = written(&m, false), *mtl = written(&m, true);
-    ck_assert_str_eq(obj, "mtllib x.mtl\nv 0 0 0\nv 0 0 -2\nv 0 1 -2\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\nvn 1 0 0\n"
-                          "g t\nusemtl ff8000\nf 1/1/1 2/2/1 3/3/1 4/4/1\n");
+    ck_assert_str_eq(obj,
+                     "mtllib x.mtl\nv 0 0 0\nv 0 0 -2\nv 0 1 -2\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\nvn 1 0 0\n"
+                     "g t\nusemtl ff8000\nf 1/1/1 2/2/1 3/3/1 4/4/1\n");
     ck_assert_str_eq(mtl, "newmtl ff8000\nKd 1.0000 0.5020 0.0000\nKs 0 0 0\nillum 1\n");
     free(obj);
     free(mtl);
@@ -494,8 +497,9 @@ END_TEST
 
 START_TEST(each_allocation_may_fail)
 {
-    test_scene f = test_scene_of("label t\nstart S\nrule S -> draw(1) draw(1) insert(sphere) insert(box) size(1, 1, 0) t "
-                                 "set_material(a) t set_material(b) t set_material(c) t set_material(d) t\n");
+    test_scene f =
+        test_scene_of("label t\nstart S\nrule S -> draw(1) draw(1) insert(sphere) insert(box) size(1, 1, 0) t "
+                      "set_material(a) t set_material(b) t set_material(c) t set_material(d) t\n");
     size_t failures = 0;
     for (bool failed = true; failed;) {
         sg_error err = SG_ERROR_INIT;

@@ -32,8 +32,9 @@ static void check_segment(const test_scene *f, size_t i, const double *from, con
 /* Heading up, the turtle's left is -x and its up is z. */
 START_TEST(the_turtle_turns_pitches_and_rolls)
 {
-    test_scene f = test_scene_of("start S\nrule S -> [ turn(90) draw(2) ] [ pitch(90) draw(3) ] [ roll(90) turn(90) draw(4) ] "
-                          "move(1) draw(-2) [ turn(-90) move(1) draw(1) ]\n");
+    test_scene f =
+        test_scene_of("start S\nrule S -> [ turn(90) draw(2) ] [ pitch(90) draw(3) ] [ roll(90) turn(90) draw(4) ] "
+                      "move(1) draw(-2) [ turn(-90) move(1) draw(1) ]\n");
     ck_assert_uint_eq(f.scene.n, 5);
     check_segment(&f, 0, V(0, 0, 0), V(-2, 0, 0));
     check_segment(&f, 1, V(0, 0, 0), V(0, 0, -3));
@@ -47,8 +48,9 @@ END_TEST
 /* A segment begins as wide as the one before it ends; what moves away begins a new chain. */
 START_TEST(segments_share_radii_at_joints)
 {
-    test_scene f = test_scene_of("start S\nrule S -> width(0.4) draw(1) T width(0.2) [ turn(30) draw(1) ] draw(1) move(0.5) width(-1) draw(1)\n"
-                          "rule T -> turn(20) width(0.1) draw(1) width(0.06) draw(0) draw(1)\n");
+    test_scene f = test_scene_of(
+        "start S\nrule S -> width(0.4) draw(1) T width(0.2) [ turn(30) draw(1) ] draw(1) move(0.5) width(-1) draw(1)\n"
+        "rule T -> turn(20) width(0.1) draw(1) width(0.06) draw(0) draw(1)\n");
     static const double want[6][2] = {{0.2, 0.2}, {0.2, 0.1}, {0.2, 0.1}, {0, 0}, {0.2, 0.05}, {0.05, 0.03}};
     ck_assert_uint_eq(f.scene.n, 6);
     for (size_t i = 0; i < 6; i++)
@@ -76,9 +78,11 @@ END_TEST
 
 START_TEST(scopes_are_moved_turned_and_sized)
 {
-    test_scene f = test_scene_of("start S\nrule S -> translate(1, 2, 3) rotate(0, 90, 0) size(2, 3, 4) scale(1, 2, -1) insert(box) "
-                          "scale(1, 1, 5) insert(box) size(1, 2, 3) insert(box) rotate(90, 0, 90) insert(cone) size(0, 2, 3) insert(\"a.obj\") insert(sphere)\n");
-    ck_assert_uint_eq(f.scene.n, 5); /* the sphere is flat */
+    test_scene f = test_scene_of(
+        "start S\nrule S -> translate(1, 2, 3) rotate(0, 90, 0) size(2, 3, 4) scale(1, 2, -1) insert(box) "
+        "scale(1, 1, 5) insert(box) size(1, 2, 3) insert(box) rotate(90, 0, 90) insert(cone) size(0, 2, 3) "
+        "insert(\"a.obj\") insert(sphere)\n");
+    ck_assert_uint_eq(f.scene.n, 5);                           /* the sphere is flat */
     const sg_primitive *p = item(&f, 0, SG_PRIMITIVE_POLYGON); /* depth 0 */
     check_point(p, 1, 0, 0, 1, 2, 2);
     check_point(p, 0, 1, 0, 1, 3, 3);
@@ -98,7 +102,8 @@ END_TEST
 /* One zero size: a rectangle that looks outwards. Two: nothing. */
 START_TEST(flat_scopes_are_rectangles)
 {
-    test_scene f = test_scene_of("label t #ff0000\nstart S\nrule S -> size(2, 3, 0) t size(2, 0, 3) t size(0, 2, 3) t size(0, 0, 1) t\n");
+    test_scene f = test_scene_of(
+        "label t #ff0000\nstart S\nrule S -> size(2, 3, 0) t size(2, 0, 3) t size(0, 2, 3) t size(0, 0, 1) t\n");
     ck_assert_uint_eq(f.scene.n, 3);
     static const double normal[3][3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
     for (size_t i = 0; i < 3; i++) {
@@ -114,7 +119,8 @@ END_TEST
 START_TEST(splits_cut_along_all_axes)
 {
     test_scene f = test_scene_of("label a\nlabel b\nlabel c\nstart S\n"
-                          "rule S -> size(10, 4, 6) split x { 2 : split z { ~1 : a | '0.5 : b } | ~1 : nothing | ~3 : repeat y 2 { c } }\n");
+                                 "rule S -> size(10, 4, 6) split x { 2 : split z { ~1 : a | '0.5 : b } | ~1 : nothing "
+                                 "| ~3 : repeat y 2 { c } }\n");
     ck_assert_uint_eq(f.scene.n, 4);
     check_point(item(&f, 0, SG_PRIMITIVE_BOX), 0, 0, 3, 0, 0, 3);
     check_point(item(&f, 1, SG_PRIMITIVE_BOX), 0, 0, 3, 0, 0, 6);
@@ -122,22 +128,26 @@ START_TEST(splits_cut_along_all_axes)
     check_point(item(&f, 3, SG_PRIMITIVE_BOX), 6, 2, 6, 10, 4, 6);
     test_close_scene(&f);
     /* Parts that are larger than the scope are cut off at its end, parts that do not fill it leave the rest empty. */
-    f = test_scene_of("label a\nstart S\nrule S -> size(3, 1, 1) split x { 2 : a | 2 : a | 1 : B } C split z { 1 : nothing | 1 : B } split y { '0.25 : a }\n"
-                  "rule B -> draw(2)\nrule C -> draw(1)\n");
+    f = test_scene_of("label a\nstart S\nrule S -> size(3, 1, 1) split x { 2 : a | 2 : a | 1 : B } C split z { 1 : "
+                      "nothing | 1 : B } split y { '0.25 : a }\n"
+                      "rule B -> draw(2)\nrule C -> draw(1)\n");
     ck_assert_uint_eq(f.scene.n, 4);
     ck_assert_double_eq_tol(item(&f, 1, SG_PRIMITIVE_BOX)->size[0], 1, 1e-9); /* shares are multiples of 2^-40 */
     ck_assert_double_eq(item(&f, 3, SG_PRIMITIVE_BOX)->size[1], 0.25);
-    ck_assert_double_eq(item(&f, 2, SG_PRIMITIVE_SEGMENT)->size[1], 1); /* successors that are passed over do not shift those behind them */
+    ck_assert_double_eq(item(&f, 2, SG_PRIMITIVE_SEGMENT)->size[1],
+                        1); /* successors that are passed over do not shift those behind them */
     test_close_scene(&f);
 }
 END_TEST
 
-/* Six faces look outwards; each goes to the first part that takes it, and all places of a part are the same derivation. */
+/* Six faces look outwards; each goes to the first part that takes it, and all places of a part are the same derivation.
+ */
 START_TEST(components_are_faces)
 {
     test_scene f = test_scene_of("label t\nlabel u\nlabel v\nstart S\n"
-                          "rule S -> translate(1, 1, 1) size(2, 3, 4) components { top : t | side : U | back : u | all : v | front : u } W\n"
-                          "rule U -> 0.5 : u -> 0.5 : u u\nrule W -> draw(1)\n");
+                                 "rule S -> translate(1, 1, 1) size(2, 3, 4) components { top : t | side : U | back : "
+                                 "u | all : v | front : u } W\n"
+                                 "rule U -> 0.5 : u -> 0.5 : u u\nrule W -> draw(1)\n");
     static const double centre[6][3] = {{2, 4, 3}, {2, 2.5, 5}, {2, 2.5, 1}, {1, 2.5, 3}, {3, 2.5, 3}, {2, 1, 3}};
     static const double normal[6][3] = {{0, 1, 0}, {0, 0, 1}, {0, 0, -1}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}};
     const size_t each = (f.scene.n - 3) / 4;
@@ -154,7 +164,8 @@ START_TEST(components_are_faces)
 }
 END_TEST
 
-/* A repeat derives children anew, but each face of a part shows the same ones; in a piece of the scope no segment ends. */
+/* A repeat derives children anew, but each face of a part shows the same ones; in a piece of the scope no segment ends.
+ */
 START_TEST(repeats_on_faces_are_alike)
 {
     test_scene f = test_scene_of("start S\nrule S -> draw(1) size(1, 2, 1) components { side : repeat y 2 { A } } A\n"
@@ -174,9 +185,10 @@ END_TEST
 
 START_TEST(extrusions_are_solids_unless_taken_over)
 {
-    test_scene f = test_scene_of("label t\nlabel r\nstart S\n"
-                          "rule S -> [ size(2, 3, 0) extrude(0.5) set_label(t) ] [ size(2, 3, 0) extrude(-1) ] "
-                          "[ size(2, 0, 3) extrude(4) set_label(r) hip_roof(45) ] [ size(1, 1, 0) extrude(1) t ]\n");
+    test_scene f =
+        test_scene_of("label t\nlabel r\nstart S\n"
+                      "rule S -> [ size(2, 3, 0) extrude(0.5) set_label(t) ] [ size(2, 3, 0) extrude(-1) ] "
+                      "[ size(2, 0, 3) extrude(4) set_label(r) hip_roof(45) ] [ size(1, 1, 0) extrude(1) t ]\n");
     ck_assert_uint_eq(f.scene.n, 5);
     check_point(item(&f, 0, SG_PRIMITIVE_BOX), 2, 3, 0.5, 2, 3, 0.5);
     ck_assert_str_eq(sg_grammar_symbol(f.g, f.scene.items[0].label)->name, "t");
@@ -192,8 +204,9 @@ END_TEST
 /* The ridge follows the longer side; an overhang widens the roof. */
 START_TEST(roofs_stand_on_faces_and_tops)
 {
-    test_scene f = test_scene_of("start S\nrule S -> size(6, 2, 4) gable_roof(45) hip_roof(45, 1) flat_roof() flat_roof(0.5) "
-                          "size(4, 6, 0) gable_roof(45) gable_roof(-3) hip_roof(10, -2)\n");
+    test_scene f =
+        test_scene_of("start S\nrule S -> size(6, 2, 4) gable_roof(45) hip_roof(45, 1) flat_roof() flat_roof(0.5) "
+                      "size(4, 6, 0) gable_roof(45) gable_roof(-3) hip_roof(10, -2)\n");
     ck_assert_uint_eq(f.scene.n, 6);
     const sg_primitive *p = item(&f, 0, SG_PRIMITIVE_PRISM);
     ck_assert(p->ncorners == 3 && p->size[0] == 4 && p->size[2] == 6);
@@ -214,7 +227,8 @@ END_TEST
 
 START_TEST(materials_are_named_coloured_or_those_of_labels)
 {
-    test_scene f = test_scene_of("label t #102030\nstart S\nrule S -> insert(box) t set_material(#405060) t set_material(brick) t insert(box)\n");
+    test_scene f = test_scene_of("label t #102030\nstart S\nrule S -> insert(box) t set_material(#405060) t "
+                                 "set_material(brick) t insert(box)\n");
     static const uint32_t color[] = {0xc8c8c8, 0x102030, 0x405060, 0x102030, 0xc8c8c8};
     for (size_t i = 0; i < 5; i++) {
         const char *name;
@@ -229,8 +243,8 @@ START_TEST(tied_siblings_are_placed_at_every_occurrence)
 {
     sg_error err = SG_ERROR_INIT;
     test_scene f = test_open_scene("tied\nlabel a\nlabel b\nstart S\nrule S -> split x { A | b | A } repeat y 2 { A }\n"
-                             "rule A -> split y { a | b } sizes mean (0.3, 0.7) sd (0.1, 0.1)\n",
-                             (uint64_t)_i + 1);
+                                   "rule A -> split y { a | b } sizes mean (0.3, 0.7) sd (0.1, 0.1)\n",
+                                   (uint64_t)_i + 1);
     sg_scene_states states = {0};
     const sg_scene_state first = sg_scene_first_state(&f.opts);
     ck_ok(sg_scene_interpret_slice(&f.d, 0, &first, &f.opts, &f.scene, &states, &err));
@@ -248,9 +262,10 @@ END_TEST
 START_TEST(label_scenes_agree)
 {
     sg_error err = SG_ERROR_INIT;
-    test_scene f = test_open_scene("label t\nlabel u\nstart S\nrule S -> split x { 10 : t | ~1 : A | '0.2 : t | ~2 : A }\n"
-                             "rule A -> split y { t | u | t } sizes mean (0.3, 0.4, 0.3) sd (0.2, 0.2, 0.2)\n",
-                             (uint64_t)_i + 1);
+    test_scene f =
+        test_open_scene("label t\nlabel u\nstart S\nrule S -> split x { 10 : t | ~1 : A | '0.2 : t | ~2 : A }\n"
+                        "rule A -> split y { t | u | t } sizes mean (0.3, 0.4, 0.3) sd (0.2, 0.2, 0.2)\n",
+                        (uint64_t)_i + 1);
     sg_label_scene labels = {0};
     f.opts = (sg_scene_opts){{100, 50, 0}, 1, 1000};
     ck_ok(sg_label_scene_interpret(&labels, &f.d, 100, 50, &err));
@@ -361,7 +376,8 @@ END_TEST
 /* A chain much deeper than a C stack would bear, and frames that stay orthonormal all along it. */
 START_TEST(deep_derivations_take_no_stack)
 {
-    test_scene f = test_scene_of("limit depth 300000\nstart S\nrule S -> turn(7) pitch(5) draw(0.01) S\nrule S at limit -> insert(box)\n");
+    test_scene f = test_scene_of(
+        "limit depth 300000\nstart S\nrule S -> turn(7) pitch(5) draw(0.01) S\nrule S at limit -> insert(box)\n");
     ck_assert_uint_eq(f.scene.n, 300001 + 1);
     const sg_frame *last = &f.scene.items[f.scene.n - 1].frame;
     ck_assert_double_eq_tol(sg_vec_length(last->x), 1, 1e-12);
@@ -388,7 +404,8 @@ START_TEST(what_cannot_be_is_refused)
 {
     check_fails("start S(0)\nrule S(a) -> draw(1) draw(1 / a)\n", 100, "no finite number");
     check_fails("start S(0)\nrule S(a) -> draw(1) turn(a / a)\n", 100, "no finite number");
-    check_fails("start S\nrule S -> insert(box) scale(1e300, 1, 1) scale(1e300, 1, 1) insert(box)\n", 100, "beyond all numbers");
+    check_fails("start S\nrule S -> insert(box) scale(1e300, 1, 1) scale(1e300, 1, 1) insert(box)\n", 100,
+                "beyond all numbers");
     check_fails("start S\nrule S -> insert(box) hip_roof(90)\n", 100, "90 degrees");
     check_fails("start S(1)\nrule S(a) -> split x { -a : insert(box) }\n", 100, "negative or no number");
     check_fails("start S\nrule S -> draw(1) draw(1) draw(1)\n", 3, "more symbols and primitives");
@@ -418,8 +435,8 @@ END_TEST
 START_TEST(each_allocation_may_fail)
 {
     test_scene f = test_open_scene("label t\nstart S\nrule S -> repeat x 20 { A } draw(1) components { side : A }\n"
-                             "rule A -> draw(1) t B\nrule B -> insert(sphere)\n",
-                             1);
+                                   "rule A -> draw(1) t B\nrule B -> insert(sphere)\n",
+                                   1);
     size_t failures = 0;
     for (bool failed = true; failed;) {
         sg_error err = SG_ERROR_INIT;

@@ -28,7 +28,8 @@ sg_status sg_mesh_reserve(sg_mesh_builder *b, size_t vertices, size_t normals, s
 {
     sg_mesh *m = b->mesh;
     const size_t most = UINT32_MAX - 1;
-    if (m->nvertices + vertices > most || m->nnormals + normals > most || m->nuvs + uvs > most || m->nfaces + faces > most)
+    if (m->nvertices + vertices > most || m->nnormals + normals > most || m->nuvs + uvs > most ||
+        m->nfaces + faces > most)
         return SG_FAIL(b->err, SG_ENUMERIC, "a mesh of more than 2^32 vertices");
     if (!SG_GROW(m->vertices, m->vertices_capacity, m->nvertices + vertices) ||
         !SG_GROW(m->normals, m->normals_capacity, m->nnormals + normals) ||

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* mesh.h - a scene as triangles and quadrilaterals.
  *
- * Faces look outwards: counterclockwise as seen from outside. Solids are closed, each edge is used once in either direction;
- * polygons and label rectangles are open, one face each. Segments that continue each other (one starts where the other ends,
- * as wide, at less than about 75 degrees, and long beside their width) share the ring of vertices at their joint: generalised cylinders, as in Bloomenthal,
- * "Modeling the mighty maple" (1985), with rings carried along without twist.
+ * Faces look outwards: counterclockwise as seen from outside. Solids are closed, each edge is used once in either
+ * direction; polygons and label rectangles are open, one face each. Segments that continue each other (one starts where
+ * the other ends, as wide, at less than about 75 degrees, and long beside their width) share the ring of vertices at
+ * their joint: generalised cylinders, as in Bloomenthal, "Modeling the mighty maple" (1985), with rings carried along
+ * without twist.
  *
- * Texture coordinates: on flat faces lengths along the face; around round ones u runs from 0 to 1, and v along the axis is a
- * length (on spheres from 0 to 1). */
+ * Texture coordinates: on flat faces lengths along the face; around round ones u runs from 0 to 1, and v along the axis
+ * is a length (on spheres from 0 to 1). */
 #ifndef SG_SCENE_MESH_H
 #define SG_SCENE_MESH_H
 
@@ -56,11 +57,11 @@ typedef struct {
 
 #define SG_MESH_OPTS_INIT {12, 0}
 
-/** Make the mesh of a scene; it is emptied first, and keeps its memory. Primitives thinner than a billionth of their distance
- *  and size (at least of 1) are left out, and segments without width. A reference to a mesh is a box that stands for it, in a
- *  group of its name.
- *  @return SG_OK, SG_EINVAL (radial is less than 3 or more than 1024), SG_ENUMERIC (a coordinate over 1e100, more than 2^32
- *          vertices), SG_ENOMEM; on failure the mesh is empty */
+/** Make the mesh of a scene; it is emptied first, and keeps its memory. Primitives thinner than a billionth of their
+ *  distance and size (at least of 1) are left out, and segments without width. A reference to a mesh is a box that
+ *  stands for it, in a group of its name.
+ *  @return SG_OK, SG_EINVAL (radial is less than 3 or more than 1024), SG_ENUMERIC (a coordinate over 1e100, more than
+ *  2^32 vertices), SG_ENOMEM; on failure the mesh is empty */
 sg_status sg_mesh_from_scene(const sg_scene *scene, const sg_mesh_opts *opts, sg_mesh *mesh, sg_error *err);
 void sg_mesh_clear(sg_mesh *mesh);
 

@@ -18,8 +18,8 @@ static void ring_point(const sg_mesh_ring *r, double t, double *out)
     sg_vec_add(out, sin(t), r->b, out);
 }
 
-/* Across the surface: around the ring (or the next one, where it is a point) times along it, from the ring before to the ring
- * behind. On circular arcs of evenly spaced rings that is exact. */
+/* Across the surface: around the ring (or the next one, where it is a point) times along it, from the ring before to
+ * the ring behind. On circular arcs of evenly spaced rings that is exact. */
 static void surface_normal(const sg_mesh_ring *rings, size_t n, size_t k, double t, double *out)
 {
     const sg_mesh_ring *wide = is_point(rings + k) ? (k == 0 ? rings + 1 : rings + k - 1) : rings + k;
@@ -39,8 +39,8 @@ static void surface_normal(const sg_mesh_ring *rings, size_t n, size_t k, double
     sg_vec_normalize(out);
 }
 
-/* First corner of a ring; its vertices, normals and uvs stand together. A ring has a second uv at its seam; a point has one
- * vertex, and a normal and a uv for each side. */
+/* First corner of a ring; its vertices, normals and uvs stand together. A ring has a second uv at its seam; a point has
+ * one vertex, and a normal and a uv for each side. */
 static sg_mesh_corner put_ring(sg_mesh_builder *b, const sg_mesh_ring *rings, size_t n, size_t k)
 {
     const unsigned sides = b->radial;

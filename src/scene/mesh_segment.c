@@ -82,7 +82,6 @@ static sg_status add_segment(sweep *w, const sg_primitive *p, const sg_primitive
     return next == NULL || to == 0 ? finish(w) : SG_OK;
 }
 
-
 static sg_status add_strand(sweep *w, size_t first)
 {
     const sg_primitive *items = w->b->scene->items;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* mesh_strands.c - which segment continues which: by the place and the radius at its start, to the last bit. Of several that
- * start in one place the straightest continues, the others are branches. */
+/* mesh_strands.c - which segment continues which: by the place and the radius at its start, to the last bit. Of several
+ * that start in one place the straightest continues, the others are branches. */
 #include "scene/mesh_priv.h"
 
 #include <math.h>
@@ -61,8 +61,8 @@ static size_t lower_bound(const start *starts, size_t n, const double *at)
     return low;
 }
 
-/* Can q continue p as one surface? The ring at the joint leans by half the angle between them, and must not lean over the
- * middle of either. */
+/* Can q continue p as one surface? The ring at the joint leans by half the angle between them, and must not lean over
+ * the middle of either. */
 static bool joins(const sg_primitive *p, const sg_primitive *q, double straight)
 {
     const double lean = q->radius[0] * sqrt((1 - straight) / (1 + straight));

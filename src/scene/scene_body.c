@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* scene_body.c - one body: its blocks, and which child stands where. It recurses once for each nested bracket, of which the
- * reader of grammars allows few. */
+/* scene_body.c - one body: its blocks, and which child stands where. It recurses once for each nested bracket, of which
+ * the reader of grammars allows few. */
 #include "scene/scene_priv.h"
 
 #include "core/array.h"
 #include "grammar/shape_ops.h"
 #include "scene/placer.h"
-
 
 /* States are passed by pointer and copied where a block begins. */
 static sg_status read_block(sg_scene_body *b, size_t first, size_t end, sg_scene_state *s);
@@ -72,9 +71,10 @@ static sg_status pass_over(sg_scene_body *b, size_t first, size_t end, const sg_
     return st;
 }
 
-/* A block in a piece of the scope. One without extent (of what is cut off, or of a scope that is flat) is passed over. */
-static sg_status read_piece(sg_scene_body *b, size_t first, size_t end, const sg_scene_state *s, sg_axis axis, double from,
-                            double to)
+/* A block in a piece of the scope. One without extent (of what is cut off, or of a scope that is flat) is passed over.
+ */
+static sg_status read_piece(sg_scene_body *b, size_t first, size_t end, const sg_scene_state *s, sg_axis axis,
+                            double from, double to)
 {
     sg_scene_state inner = piece(s, axis, from, to);
     return inner.size[axis] > 0 ? read_block(b, first, end, &inner) : pass_over(b, first, end, s);

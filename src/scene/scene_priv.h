@@ -32,7 +32,8 @@ typedef struct {
     sg_error *err;
 } sg_scene_body;
 
-/** Interpret the body of b->node from this state: append its primitives to the scene, its children to the stack in order.
+/** Interpret the body of b->node from this state: append its primitives to the scene, its children to the stack in
+ *  order.
  *  @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_scene_read_body(sg_scene_body *b, const sg_scene_state *state);
 
@@ -42,8 +43,8 @@ sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state 
 /** flat_roof, gable_roof and hip_roof over the scope. @param args  [nargs] */
 sg_status sg_scene_add_roof(sg_scene_body *b, const sg_op *op, const double *args, const sg_scene_state *s);
 
-/** The state on a face of the scope: x to the right as it is looked at, y up (of the top: to the back, of the bottom: to the
- *  front), z outwards.
+/** The state on a face of the scope: x to the right as it is looked at, y up (of the top: to the back, of the bottom:
+ *  to the front), z outwards.
  *  @param face  one of the six
  *  @return false when it has no area, or is the back of a scope that is flat */
 bool sg_scene_face(const sg_scene_state *s, int face, sg_scene_state *out);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene_roof.c - the faces of a scope, and the roofs that stand on one.
- * Source: roofs and component splits as in Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of buildings"
- * (2006), section 3; over rectangles only. */
+ * Source: roofs and component splits as in Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of
+ * buildings" (2006), section 3; over rectangles only. */
 #include "scene/scene_priv.h"
 
 #include "grammar/shape_ops.h"
@@ -10,7 +10,8 @@
 
 bool sg_scene_face(const sg_scene_state *s, int face, sg_scene_state *out)
 {
-    /* The origin as shares of the size, the axes for sg_frame_permute(), the axes of the scope that give width and height. */
+    /* The origin as shares of the size, the axes for sg_frame_permute(), the axes of the scope that give width and
+     * height. */
     static const struct {
         double at[3];
         int x, y, width, height, depth;

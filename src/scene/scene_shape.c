@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene_shape.c - the shape operations: those that change the state, and those that add a primitive.
- * Sources: Prusinkiewicz and Lindenmayer, The Algorithmic Beauty of Plants (1990), section 1.5 (turtle in space) and 2.3.1
- * (tropism); Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of buildings" (2006). */
+ * Sources: Prusinkiewicz and Lindenmayer, The Algorithmic Beauty of Plants (1990), section 1.5 (turtle in space)
+ * and 2.3.1 (tropism); Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of buildings" (2006). */
 #include "scene/scene_priv.h"
 
 #include "core/array.h"
@@ -88,8 +88,8 @@ static void bend(sg_scene_state *s)
         sg_frame_turn(&s->frame, torque, angle);
 }
 
-/* A negative length draws backwards. The first segment of a chain is a cylinder, the others begin as wide as the one before
- * them ends. */
+/* A negative length draws backwards. The first segment of a chain is a cylinder, the others begin as wide as the one
+ * before them ends. */
 static sg_status draw(sg_scene_body *b, double length, sg_scene_state *s)
 {
     sg_primitive p = sg_scene_primitive(b, s, SG_PRIMITIVE_SEGMENT);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* split_walk.c - sizes as in CGA shape (Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of buildings",
- * 2006): absolute, relative to the scope, and floating shares of what these leave; drawn sizes are shares of the same
- * remainder, which is all of the scope when every part is drawn. */
+/* split_walk.c - sizes as in CGA shape (Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of
+ * buildings", 2006): absolute, relative to the scope, and floating shares of what these leave; drawn sizes are shares
+ * of the same remainder, which is all of the scope when every part is drawn. */
 #include "scene/split_walk.h"
 
 #include <math.h>
-
 
 static double size_of(const sg_split_walk *w, const sg_op *part)
 {

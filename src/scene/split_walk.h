@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* split_walk.h - the parts of one split as shares of its scope: the one arithmetic of splits, for label scenes and scenes. */
+/* split_walk.h - the parts of one split as shares of its scope: the one arithmetic of splits, for label scenes and
+ * scenes. */
 #ifndef SG_SCENE_SPLIT_WALK_H
 #define SG_SCENE_SPLIT_WALK_H
 
@@ -23,8 +24,8 @@ typedef struct {
     size_t ndrawn;
 } sg_split_walk;
 
-/** Where a part of a split ends, as a share of the scope: the sum of the shares up to it, rounded to 2^-40. So a cut that
- * moves between two parts leaves those behind it where they were, to the last bit, however their sum is rounded. */
+/** Where a part of a split ends, as a share of the scope: the sum of the shares up to it, rounded to 2^-40. So a cut
+ *  that moves between two parts leaves those behind it where they were, to the last bit, however the sum is rounded. */
 static inline double sg_placer_share(double sum)
 {
     const double grid = 6144; /* doubles near it are 2^-40 apart */
@@ -37,8 +38,8 @@ static inline double sg_placer_share(double sum)
  *  @return NULL, or what is wrong: a size is negative or no number, or floating and drawn sizes are mixed */
 const char *sg_split_walk_begin(sg_split_walk *w, const sg_grammar *g, const sg_rule *r, const sg_op *split,
                                 const double *frame, double depth, double length);
-/** Where the next part ends, as a share of the scope: more than 1 behind its end, exactly 1 for the last part of a split
- *  that is filled. */
+/** Where the next part ends, as a share of the scope: more than 1 behind its end, exactly 1 for the last part of a
+ *  split that is filled. */
 double sg_split_walk_next(sg_split_walk *w);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_scene.c - derivations as primitives in space: known coordinates, slices, statuses, failing memory. */
-#include "grammar/shape_ops.h"
+#include "core/array.h"
 #include "scene/label_scene.h"
 #include "tests/failing_malloc.h"
 #include "tests/scene_support.h"
@@ -352,6 +352,62 @@ START_TEST(the_whole_is_the_concatenation_of_slices)
 }
 END_TEST
 
+/* The scene after a splice at `node`, from the old one: new slices where the node stands, the rest as it was. */
+static void patch(const test_scene *f, const sg_scene_states *states, size_t node, ptrdiff_t grown, sg_scene *out)
+{
+    sg_error err = SG_ERROR_INIT;
+    size_t at = 0;
+    for (size_t i = 0; i <= states->n; i++) {
+        if (i < states->n && states->places[i].node != node)
+            continue;
+        const size_t stop = i < states->n ? states->places[i].first : f->scene.n;
+        test_must(SG_GROW(out->items, out->capacity, out->n + stop - at + 1));
+        for (; at < stop; at++) {
+            sg_primitive *p = out->items + out->n++;
+            *p = f->scene.items[at];
+            p->node = p->node > node ? (uint32_t)((ptrdiff_t)p->node + grown) : p->node;
+        }
+        if (i == states->n)
+            break;
+        at = end_of(&f->scene, states, i);
+        test_must_ok(sg_scene_interpret_slice(&f->d, node, &states->places[i].state, &f->opts, out, NULL, &err));
+    }
+}
+
+/* What an incremental score relies on. */
+START_TEST(a_splice_changes_its_slices_alone)
+{
+    for (uint64_t k = 0; k < 20; k++) {
+        sg_error err = SG_ERROR_INIT;
+        test_scene f;
+        if (!test_random_scene((uint64_t)_i * 20 + k + 1, &f))
+            continue;
+        sg_scene old = {0}, fresh = {0}, patched = {0};
+        sg_scene_states states = {0};
+        const sg_scene_state first = sg_scene_first_state(&f.opts);
+        ck_ok(sg_scene_interpret_slice(&f.d, 0, &first, &f.opts, &old, &states, &err));
+        const size_t node = gsl_rng_uniform_int(f.rng, f.d.nnodes), before = f.d.nnodes;
+        const sg_node n = f.d.nodes[node];
+        sg_derivation slice;
+        sg_derivation_init(&slice, f.g);
+        if (sg_derivation_sample_subtree(&slice, n.symbol, f.d.values + n.values, n.depth, f.rng, 3000, NULL) == SG_OK) {
+            ck_ok(sg_derivation_splice(&f.d, node, &slice, &err));
+            if (sg_scene_interpret(&f.d, &f.opts, &fresh, NULL) == SG_OK) {
+                patch(&f, &states, node, (ptrdiff_t)f.d.nnodes - (ptrdiff_t)before, &patched);
+                test_must(patched.n == fresh.n);
+                test_must(fresh.n == 0 || memcmp(patched.items, fresh.items, fresh.n * sizeof *fresh.items) == 0);
+            }
+        }
+        sg_derivation_clear(&slice);
+        sg_scene_clear(&old);
+        sg_scene_clear(&fresh);
+        sg_scene_clear(&patched);
+        sg_scene_states_clear(&states);
+        test_close_scene(&f);
+    }
+}
+END_TEST
+
 START_TEST(most_random_grammars_make_scenes)
 {
     size_t good = 0, primitives = 0, kinds[SG_PRIMITIVE_COUNT] = {0};
@@ -475,6 +531,7 @@ static Suite *scene_suite(void)
     tcase_add_loop_test(known, tied_siblings_are_placed_at_every_occurrence, 0, 4);
     tcase_add_loop_test(known, label_scenes_agree, 0, 8);
     tcase_add_loop_test(slices, the_whole_is_the_concatenation_of_slices, 0, 20);
+    tcase_add_loop_test(slices, a_splice_changes_its_slices_alone, 0, 20);
     tcase_add_test(slices, most_random_grammars_make_scenes);
     tcase_add_test(slices, deep_derivations_take_no_stack);
     tcase_add_test(faults, what_cannot_be_is_refused);

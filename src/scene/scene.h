@@ -105,7 +105,9 @@ sg_scene_state sg_scene_first_state(const sg_scene_opts *opts);
 sg_status sg_scene_interpret(const sg_derivation *d, const sg_scene_opts *opts, sg_scene *scene, sg_error *err);
 
 /** Interpret the subtree of `node` from the state that it inherits, appending to the scene. The slices of the places of
- *  an untouched rest, and this one in its place, are bit for bit what interpreting all gives.
+ *  a derivation are, bit for bit, what interpreting all gives. So after a splice the slices of the places of that node
+ *  are interpreted anew, and the rest stands; only the node numbers behind the splice shift. max_places counts what is
+ *  placed by this call.
  *  @param states  NULL, or: its places are appended, `first` counted in the scene
  *  @return as above, SG_EINVAL also for no such node; on failure scene and states are as they were */
 sg_status sg_scene_interpret_slice(const sg_derivation *d, size_t node, const sg_scene_state *state,

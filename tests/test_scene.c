@@ -390,7 +390,8 @@ START_TEST(a_splice_changes_its_slices_alone)
         const sg_node n = f.d.nodes[node];
         sg_derivation slice;
         sg_derivation_init(&slice, f.g);
-        if (sg_derivation_sample_subtree(&slice, n.symbol, f.d.values + n.values, n.depth, f.rng, 3000, NULL) == SG_OK) {
+        const double *args = f.d.values + n.values;
+        if (sg_derivation_sample_subtree(&slice, n.symbol, args, n.depth, f.rng, 3000, NULL) == SG_OK) {
             ck_ok(sg_derivation_splice(&f.d, node, &slice, &err));
             if (sg_scene_interpret(&f.d, &f.opts, &fresh, NULL) == SG_OK) {
                 patch(&f, &states, node, (ptrdiff_t)f.d.nnodes - (ptrdiff_t)before, &patched);

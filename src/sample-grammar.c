@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sample-grammar.c - models from a grammar: label maps, pictures, lattices, derivations. */
+/* sample-grammar.c - models from a grammar: label maps, pictures, lattices, derivations, meshes. */
 #include "config.h"
 
 #include "core/file.h"
@@ -10,6 +10,7 @@
 #include "scene/contact_sheet.h"
 #include "scene/derivation_json.h"
 #include "scene/label_svg.h"
+#include "scene/mesh_obj.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -21,37 +22,41 @@
 static const char help[] =
     "Example: sample-grammar haussmann.sg -n 16 -o facades --sheet 4x4\n\n"
     "Usage: sample-grammar GRAMMAR -n N -o DIR [OPTION]...\n"
-    "Sample models from a split grammar (*.sg, or its JSON form).\n\n"
+    "Sample models from a grammar (*.sg, or its JSON form).\n\n"
     "  -n N               number of samples (default 1)\n"
     "  -o DIR             folder for the results; it is made when it is not there\n"
     "  --size WxH         size of a picture in pixels (default 300x400)\n"
-    "  --formats LIST     what to write, with commas between (default all):\n"
+    "  --formats LIST     what to write, with commas between (default all but obj):\n"
     "                       labels   NAME.png, a label map, and classes.tsv\n"
     "                       rgb      NAME.rgb.png, the labels' colours\n"
     "                       svg      NAME.svg\n"
     "                       lat      NAME.lat, the lattice of all cuts\n"
     "                       json     NAME.json, the derivation with its rectangles\n"
     "                       sheet    sheet.png, the first samples on one page\n"
+    "                       obj      NAME.obj and NAME.mtl, the model in space\n"
+    "  --scope XxYxZ      size of the first scope of obj (default 1x1x1)\n"
+    "  --detail N         level of detail of obj: 0 the finest (default) to 15\n"
     "  --sheet CxR        columns and rows of the sheet (default 4x4)\n"
     "  --dataset          write a data set: labels/NAME.png and classes.tsv; rgb goes to\n"
     "                     images/NAME.png, and only labels are written by default\n"
     "  --name PREFIX      NAME is PREFIX-0001 and so on (default: the grammar's name)\n"
     "  --max-nodes N      a derivation with more nodes is an error (default 1000000)\n" SG_COMMON_HELP;
 
-enum { FORMAT_LABELS = 1, FORMAT_RGB = 2, FORMAT_SVG = 4, FORMAT_LAT = 8, FORMAT_JSON = 16, FORMAT_SHEET = 32 };
-enum { FORMATS_ALL = 63, MAX_SAMPLES = 1000000, SHEET_SIDE_PX = 4096 };
+enum { FORMAT_LABELS = 1, FORMAT_RGB = 2, FORMAT_SVG = 4, FORMAT_LAT = 8, FORMAT_JSON = 16, FORMAT_SHEET = 32, FORMAT_OBJ = 64 };
+enum { FORMATS_ALL = 63 /* of label scenes */, MAX_SAMPLES = 1000000, SHEET_SIDE_PX = 4096 };
 
 typedef struct {
     sg_common_opts common;
     const char *grammar, *folder, *name;
-    size_t n, width, height, columns, rows, max_nodes;
+    size_t n, width, height, columns, rows, max_nodes, detail;
+    double scope[3];
     unsigned formats; /* 0: the default */
     bool dataset;
 } options;
 
 typedef struct {
     bool done;
-    size_t nodes, rects;
+    size_t nodes, rects, faces;
     double log_prior, log_density;
 } sample_stats;
 
@@ -75,6 +80,8 @@ typedef struct {
 typedef struct {
     sg_derivation d;
     sg_label_scene scene;
+    sg_scene space;
+    sg_mesh mesh;
     gsl_rng *rng;
     sg_arena *arena;
     double *share; /* [symbols] */
@@ -94,9 +101,19 @@ static bool parse_pair(const char *option, const char *arg, size_t high, size_t 
     return false;
 }
 
+static bool parse_scope(const char *arg, double *size)
+{
+    char end;
+    if (sscanf(arg, "%lfx%lfx%lf%c", size, size + 1, size + 2, &end) == 3 && size[0] >= 0 && size[1] >= 0 && size[2] >= 0 &&
+        size[0] <= 1e9 && size[1] <= 1e9 && size[2] <= 1e9)
+        return true;
+    sg_program_usage("--scope: '%s' is no size as in 10x8.5x0", arg);
+    return false;
+}
+
 static bool parse_formats(const char *arg, unsigned *formats)
 {
-    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "all", NULL};
+    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "all", NULL};
     *formats = 0;
     for (const char *p = arg;;) {
         const size_t length = strcspn(p, ",");
@@ -105,14 +122,14 @@ static bool parse_formats(const char *arg, unsigned *formats)
         snprintf(word, sizeof word, "%.*s", (int)(length < 31 ? length : 31), p);
         if (!sg_program_choice("--formats", word, names, &which))
             return false;
-        *formats |= which == 6 ? FORMATS_ALL : 1U << which;
+        *formats |= which == 7 ? FORMATS_ALL : 1U << which;
         if (p[length] == '\0')
             return true;
         p += length + 1;
     }
 }
 
-enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES };
+enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES, OPT_SCOPE, OPT_DETAIL };
 
 static bool take_option(int opt, const char *arg, void *user)
 {
@@ -129,6 +146,10 @@ static bool take_option(int opt, const char *arg, void *user)
         return parse_formats(arg, &o->formats);
     case OPT_SHEET:
         return parse_pair("--sheet", arg, 1000, &o->columns, &o->rows);
+    case OPT_SCOPE:
+        return parse_scope(arg, o->scope);
+    case OPT_DETAIL:
+        return sg_program_size("--detail", arg, 0, 15, &o->detail);
     case OPT_DATASET:
         o->dataset = true;
         return true;
@@ -151,6 +172,8 @@ static int parse_args(int argc, char **argv, options *o)
                                           {"sheet", required_argument, NULL, OPT_SHEET},
                                           {"dataset", no_argument, NULL, OPT_DATASET},
                                           {"name", required_argument, NULL, OPT_NAME},
+                                          {"scope", required_argument, NULL, OPT_SCOPE},
+                                          {"detail", required_argument, NULL, OPT_DETAIL},
                                           {"max-nodes", required_argument, NULL, OPT_MAX_NODES},
                                           {NULL, 0, NULL, 0}};
     const int end = sg_program_options(argc, argv, "n:o:", longs, help, &o->common, take_option, o);
@@ -247,6 +270,23 @@ static sg_status print_derivation(const job *j, worker *w, FILE *fp, sg_error *e
     return SG_OK;
 }
 
+/* The materials stand beside it, and are an output too. */
+static sg_status write_mesh(const job *j, worker *w, size_t i, sg_error *err)
+{
+    char path[4096];
+    const options *o = j->opts;
+    sg_scene_opts scene = SG_SCENE_OPTS_INIT;
+    sg_mesh_opts mesh = SG_MESH_OPTS_INIT;
+    memcpy(scene.size, o->scope, sizeof scene.size);
+    mesh.detail = (unsigned)o->detail;
+    SG_TRY(sg_scene_interpret(&w->d, &scene, &w->space, err));
+    SG_TRY(sg_mesh_from_scene(&w->space, &mesh, &w->mesh, err));
+    j->stats[i].faces = w->mesh.nfaces;
+    SG_TRY(path_of(j, "", i, ".mtl", path, sizeof path, err));
+    SG_TRY(path_of(j, "", i, ".obj", path, sizeof path, err));
+    return sg_mesh_obj_save(&w->mesh, path, err);
+}
+
 static sg_status write_formats(const job *j, worker *w, size_t i, sg_error *err)
 {
     const unsigned f = j->opts->formats;
@@ -260,16 +300,20 @@ static sg_status write_formats(const job *j, worker *w, size_t i, sg_error *err)
         SG_TRY(write_text(j, w, i, ".lat", print_lattice, err));
     if (f & FORMAT_JSON)
         SG_TRY(write_text(j, w, i, ".json", print_derivation, err));
+    if (f & FORMAT_OBJ)
+        SG_TRY(write_mesh(j, w, i, err));
     return SG_OK;
 }
 
-static sg_status note_sample(job *j, worker *w, size_t i, sg_error *err)
+/* Does a format ask for label scenes? A grammar of models in space need not have any. */
+static bool wants_labels(const options *o)
 {
-    sample_stats *s = j->stats + i;
-    s->nodes = w->d.nnodes;
-    s->rects = w->scene.nrects;
-    SG_TRY(sg_derivation_log_prior(&w->d, &s->log_prior, err));
-    SG_TRY(sg_derivation_log_density(&w->d, &s->log_density, err));
+    return (o->formats & FORMATS_ALL) != 0;
+}
+
+static sg_status note_labels(job *j, worker *w, size_t i, sg_error *err)
+{
+    j->stats[i].rects = w->scene.nrects;
     sg_label_scene_shares(&w->scene, j->g, w->share);
     for (sg_sym k = 0; k < j->nsymbols; k++)
         if (sg_grammar_symbol(j->g, k)->kind == SG_SYMBOL_LABEL)
@@ -278,6 +322,17 @@ static sg_status note_sample(job *j, worker *w, size_t i, sg_error *err)
         SG_TRY(sg_image_create(j->thumb_width, j->thumb_height, j->thumbs + i, err));
         sg_label_scene_paint(&w->scene, j->g, j->thumbs + i);
     }
+    return SG_OK;
+}
+
+static sg_status note_sample(job *j, worker *w, size_t i, sg_error *err)
+{
+    sample_stats *s = j->stats + i;
+    s->nodes = w->d.nnodes;
+    SG_TRY(sg_derivation_log_prior(&w->d, &s->log_prior, err));
+    SG_TRY(sg_derivation_log_density(&w->d, &s->log_density, err));
+    if (wants_labels(j->opts))
+        SG_TRY(note_labels(j, w, i, err));
     s->done = true;
     return SG_OK;
 }
@@ -287,7 +342,8 @@ static sg_status make_sample(job *j, worker *w, size_t i, sg_error *err)
 {
     sg_random_stream(w->rng, j->opts->common.seed, (uint32_t)i, 0);
     SG_TRY(sg_derivation_sample(&w->d, w->rng, j->opts->max_nodes, err));
-    SG_TRY(sg_label_scene_interpret(&w->scene, &w->d, (double)j->opts->width, (double)j->opts->height, err));
+    if (wants_labels(j->opts))
+        SG_TRY(sg_label_scene_interpret(&w->scene, &w->d, (double)j->opts->width, (double)j->opts->height, err));
     SG_TRY(write_formats(j, w, i, err));
     return note_sample(j, w, i, err);
 }
@@ -306,6 +362,8 @@ static void worker_close(worker *w)
 {
     sg_derivation_clear(&w->d);
     sg_label_scene_clear(&w->scene);
+    sg_scene_clear(&w->space);
+    sg_mesh_clear(&w->mesh);
     if (w->rng != NULL)
         gsl_rng_free(w->rng);
     sg_arena_free(w->arena);
@@ -406,7 +464,8 @@ static json_t *sample_json(const job *j, size_t i)
     for (size_t k = 0; k < j->classes.nclasses; k++)
         if (json_object_set_new(areas, j->classes.names[k], json_real((double)j->share[i * j->classes.nclasses + k])) != 0)
             return json_decref(areas), NULL;
-    return json_pack("{s:s, s:I, s:I, s:o, s:o, s:o}", "name", name, "nodes", (json_int_t)s->nodes, "rectangles",
+    return json_pack("{s:s, s:I, s:I, s:I, s:o, s:o, s:o}", "name", name, "nodes", (json_int_t)s->nodes, "faces",
+                     (json_int_t)s->faces, "rectangles",
                      (json_int_t)s->rects, "log_prior", number(s->log_prior), "log_density", number(s->log_density),
                      "areas", areas);
 }
@@ -492,8 +551,9 @@ static sg_status job_open(job *j, sg_error *err)
     j->thumbs = calloc(j->nthumbs + 1, sizeof *j->thumbs);
     if (j->value_of == NULL || j->stats == NULL || j->thumbs == NULL)
         return SG_FAIL_NOMEM(err);
-    SG_TRY(sg_label_classes(j->g, &j->classes, j->value_of, err));
-    j->share = calloc(j->opts->n * j->classes.nclasses, sizeof *j->share);
+    if (wants_labels(j->opts))
+        SG_TRY(sg_label_classes(j->g, &j->classes, j->value_of, err));
+    j->share = calloc(j->opts->n * j->classes.nclasses + 1, sizeof *j->share);
     return j->share != NULL ? SG_OK : SG_FAIL_NOMEM(err);
 }
 
@@ -534,6 +594,7 @@ int main(int argc, char **argv)
                  .height = 400,
                  .columns = 4,
                  .rows = 4,
+                 .scope = {1, 1, 1},
                  .max_nodes = 1000000};
     sg_error err = SG_ERROR_INIT;
     sg_grammar *g = NULL;

@@ -57,6 +57,30 @@ expect 0 "$sample" "$grammars/arcade.sg" -o "$work/f" --dataset --formats labels
 [ -s "$work/f/images/arcade-0001.png" ] || fail "no picture in the data set"
 grep -q '"philox4x32-10"' "$work/out" || fail "the report does not name its generator"
 
+# Meshes: of models in space, and of label scenes too.
+printf 'limit depth 5\nstart T\nrule T -> draw(uniform(1, 2)) [ turn(30) T ] roll(90) T\nrule T at limit -> insert(sphere)\n' >"$work/plant.sg"
+expect 0 "$sample" "$work/plant.sg" -n 3 -o "$work/m1" --name p --formats obj --json "$work/m.json" --threads 1
+expect 0 "$sample" "$work/plant.sg" -n 3 -o "$work/m2" --name p --formats obj --threads 2
+expect 0 "$sample" "$work/plant.sg" -o "$work/m3" --name p --formats obj --detail 1
+diff -r "$work/m1" "$work/m2" >/dev/null || fail "two threads write other meshes"
+[ "$(find "$work/m1" -type f | wc -l)" -eq 6 ] || fail "other meshes than expected: $(ls -A "$work/m1")"
+for i in 1 2 3; do
+    faces=$(grep -c '^f ' "$work/m1/p-000$i.obj")
+    grep -q "\"faces\": $faces,\$" "$work/m.json" || fail "$faces faces are not in the report"
+    grep -q "^mtllib p-000$i.mtl\$" "$work/m1/p-000$i.obj" || fail "the mesh does not name its materials"
+    [ "$(grep -c '^newmtl ' "$work/m1/p-000$i.mtl")" -eq "$(grep '^usemtl ' "$work/m1/p-000$i.obj" | sort -u | wc -l)" ] ||
+        fail "materials that are missing or not used"
+done
+[ "$(grep -c '^f ' "$work/m3/p-0001.obj")" -lt "$(grep -c '^f ' "$work/m1/p-0001.obj")" ] || fail "less detail has no fewer faces"
+expect 0 "$sample" "$grammars/haussmann.sg" -o "$work/m4" --formats obj,svg --scope 300x400x0 --size 300x400
+[ "$(grep -c '<rect ' "$work/m4/haussmann-0001.svg")" -eq "$(grep -c '^f ' "$work/m4/haussmann-0001.obj")" ] ||
+    fail "the mesh of a facade has not one face a rectangle"
+expect 3 "$sample" "$work/plant.sg" -o "$work/m5" --formats obj,svg # no labels
+for bad in "--scope 1x1" "--scope 1x-1x1" "--scope 1x1xnan" "--scope 1x1x1x" "--detail 16"; do
+    # shellcheck disable=SC2086
+    expect 2 "$sample" "$work/plant.sg" -o "$work/m6" --formats obj $bad
+done
+
 # Help, version, wrong usage.
 expect 0 "$sample" --help
 [ "$(wc -l <"$work/out")" -le 35 ] && grep -q '^Example: ' "$work/out" || fail "help is no screen with an example"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* placer.c - cuts the scope of one body. Sizes as in CGA shape (Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural
- * modeling of buildings", 2006): absolute, relative to the scope, and floating shares of what these leave; drawn sizes
- * are shares of the same remainder, which is all of the scope when every part is drawn. */
+/* placer.c - cuts the scope of one body. */
 #include "scene/placer.h"
 
 #include "core/array.h"
@@ -11,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rounding of sums of sizes that is forgiven, relative to the scope. */
-#define TOLERANCE 1e-9
 
 typedef struct {
     sg_placer *p;
@@ -21,8 +17,6 @@ typedef struct {
     size_t node;
     const sg_rule *r;
     const double *frame;
-    uint32_t nparams, next_id;
-    size_t next_child;
     bool in_repeat;
     sg_error *err;
 } body;
@@ -30,8 +24,7 @@ typedef struct {
 void sg_placer_clear(sg_placer *p)
 {
     free(p->items);
-    free(p->children);
-    free(p->position);
+    sg_stored_children_clear(&p->children);
     free(p->starts);
     free(p->sizes);
     memset(p, 0, sizeof *p);
@@ -85,34 +78,16 @@ static sg_status add_place(body *b, sg_rect rect, size_t node, sg_sym label)
     return SG_OK;
 }
 
-static double eval(const body *b, sg_expr e)
-{
-    return sg_grammar_eval(b->d->grammar, e, b->frame, b->n->depth);
-}
-
 static sg_status place_block(body *b, size_t first, size_t end, sg_rect rect, bool outermost);
-
-/* The stored child of a successor: a new one, or the one that it is tied to. */
-static size_t child_of(body *b, const sg_op *op)
-{
-    sg_placer *p = b->p;
-    if (!b->in_repeat && op->child < b->next_id)
-        return p->position[op->child];
-    if (!b->in_repeat) {
-        b->next_id = op->child + 1;
-        p->position[op->child] = b->next_child;
-    }
-    return b->next_child++;
-}
 
 static sg_status place_successor(body *b, const sg_op *op, sg_rect rect)
 {
     if (sg_grammar_symbol(b->d->grammar, op->symbol)->kind == SG_SYMBOL_LABEL)
         return add_place(b, rect, b->node, op->symbol);
-    const size_t child = child_of(b, op);
-    if (child >= b->p->nchildren)
+    size_t child;
+    if (!sg_stored_children_next(&b->p->children, op, b->in_repeat, &child))
         return fail(b, "it has fewer children than its rule asks for");
-    return add_place(b, rect, b->p->children[child], SG_NONE);
+    return add_place(b, rect, child, SG_NONE);
 }
 
 /* The piece of rect from share lo to share hi along the axis; the language's y runs up, the picture's down. */
@@ -123,58 +98,15 @@ static sg_rect piece(sg_rect r, sg_axis axis, double lo, double hi)
     return (sg_rect){r.x0, sg_placer_cut(r.y1, r.y0, hi), r.x1, sg_placer_cut(r.y1, r.y0, lo)};
 }
 
-/* Sums over the parts of a split, and what floating and drawn parts share. */
-typedef struct {
-    double fixed;    /* absolute and relative sizes, as shares of the scope */
-    double floating; /* sum of floating sizes */
-    size_t nfloating, ndrawn;
-    double rest;     /* share of the scope that is left for floating or drawn parts */
-} split_sums;
-
-static bool good_size(double s)
+/* Parts of a label scene fill their scope. */
+static sg_status begin_split(body *b, const sg_op *split, double length, sg_split_walk *w)
 {
-    return s >= 0 && isfinite(s);
-}
-
-static sg_status sum_parts(body *b, const sg_op *split, double length, split_sums *sums)
-{
-    memset(sums, 0, sizeof *sums);
-    const sg_op *part = split + 1;
-    for (uint32_t k = 0; k < split->nparts; k++, part += part->length) {
-        if (part->size == SG_SIZE_DRAWN) {
-            sums->ndrawn++;
-            continue;
-        }
-        const double s = eval(b, part->args[0]);
-        if (!good_size(s))
-            return fail(b, "the size of a part is negative or no number");
-        if (part->size == SG_SIZE_FLOATING) {
-            sums->floating += s;
-            sums->nfloating++;
-        } else {
-            sums->fixed += part->size == SG_SIZE_RELATIVE ? s : length > 0 ? s / length : s > 0 ? INFINITY : 0;
-        }
-    }
-    if (sums->nfloating > 0 && sums->ndrawn > 0)
-        return fail(b, "a split with both floating and drawn sizes");
-    if (sums->fixed > 1 + TOLERANCE)
+    const char *wrong = sg_split_walk_begin(w, b->d->grammar, b->r, split, b->frame, b->n->depth, length);
+    if (wrong != NULL)
+        return fail(b, wrong);
+    if (w->fixed > 1 + SG_SPLIT_TOLERANCE)
         return fail(b, "the parts of a split are larger than its scope");
-    sums->rest = sums->fixed < 1 ? 1 - sums->fixed : 0;
-    const bool filled = sums->ndrawn > 0 || sums->floating > 0 || sums->rest <= TOLERANCE;
-    return filled || length <= 0 ? SG_OK : fail(b, "the parts of a split do not fill its scope");
-}
-
-static double share_of(body *b, const sg_op *split, const sg_op *part, double length, const split_sums *sums,
-                       size_t *drawn)
-{
-    if (part->size == SG_SIZE_DRAWN) {
-        const sg_draw *draw = b->r->draws + split->draw;
-        return sums->rest * b->frame[b->nparams + draw->first_value + (*drawn)++];
-    }
-    const double s = eval(b, part->args[0]);
-    if (part->size == SG_SIZE_FLOATING)
-        return sums->floating > 0 ? sums->rest * s / sums->floating : 0;
-    return part->size == SG_SIZE_RELATIVE ? s : length > 0 ? s / length : 0;
+    return w->filled ? SG_OK : fail(b, "the parts of a split do not fill its scope");
 }
 
 static sg_status note_size(body *b, double share)
@@ -223,20 +155,17 @@ static sg_status place_split(body *b, size_t at, sg_rect rect, bool outermost)
     const sg_op *split = b->r->ops + at;
     if (split->axis == SG_AXIS_Z)
         return fail(b, "a split along z is no label scene");
-    const double length = length_along(rect, split->axis);
     const size_t mark = b->p->nstarts;
-    split_sums sums;
-    SG_TRY(sum_parts(b, split, length, &sums));
-    double sum = 0, from = 0;
-    size_t drawn = 0, part = at + 1;
+    sg_split_walk walk;
+    SG_TRY(begin_split(b, split, length_along(rect, split->axis), &walk));
+    double from = 0;
+    size_t part = at + 1;
     for (uint32_t k = 0; k < split->nparts; k++, part += b->r->ops[part].length) {
         const sg_op *op = b->r->ops + part;
-        const double share = share_of(b, split, op, length, &sums, &drawn);
-        sum += share;
-        const double to = k + 1 == split->nparts ? 1 : sg_placer_share(sum);
+        const double to = sg_split_walk_next(&walk);
         SG_TRY(note_start(b));
         if (outermost)
-            SG_TRY(note_size(b, share));
+            SG_TRY(note_size(b, walk.share));
         SG_TRY(place_block(b, part + 1, part + op->length, piece(rect, split->axis, from, to), false));
         from = to;
     }
@@ -301,18 +230,6 @@ static sg_status place_block(body *b, size_t first, size_t end, sg_rect rect, bo
     return place_op(b, first, rect, outermost);
 }
 
-static sg_status find_children(body *b)
-{
-    sg_placer *p = b->p;
-    p->nchildren = 0;
-    for (size_t c = b->node + 1; c < b->node + b->n->length; c += b->d->nodes[c].length) {
-        if (!SG_GROW(p->children, p->children_capacity, p->nchildren + 1))
-            return SG_FAIL_NOMEM(b->err);
-        p->children[p->nchildren++] = c;
-    }
-    return SG_GROW(p->position, p->position_capacity, (size_t)b->r->nops + 1) ? SG_OK : SG_FAIL_NOMEM(b->err);
-}
-
 sg_status sg_placer_place(sg_placer *p, const sg_derivation *d, size_t node, sg_rect rect, sg_error *err)
 {
     return sg_placer_place_frame(p, d, node, d->values + d->nodes[node].values, rect, err);
@@ -329,8 +246,7 @@ sg_status sg_placer_place_frame(sg_placer *p, const sg_derivation *d, size_t nod
     if (n->rule == SG_RULE_EMPTY)
         return fail(&b, "cut at the depth limit, where it has no completion");
     b.r = sg_grammar_rule(d->grammar, n->rule);
-    b.nparams = sg_grammar_symbol(d->grammar, n->symbol)->nparams;
-    SG_TRY(find_children(&b));
+    SG_TRY(sg_stored_children_find(&p->children, d, node, b.r, err));
     return place_block(&b, 0, b.r->nops, rect, true);
 }
 
@@ -339,13 +255,9 @@ sg_status sg_placer_constant_ends(const sg_grammar *g, const sg_rule *r, const s
     const sg_derivation d = {.grammar = g};
     const sg_node n = {.symbol = r->lhs};
     body b = {.d = &d, .n = &n, .r = r};
-    const sg_op *part = split + 1;
-    split_sums sums;
-    SG_TRY(sum_parts(&b, split, 1, &sums));
-    double sum = 0;
-    for (uint32_t k = 0; k < split->nparts; k++, part += part->length) {
-        sum += share_of(&b, split, part, 1, &sums, NULL);
-        ends[k] = k + 1 == split->nparts ? 1 : sg_placer_share(sum);
-    }
+    sg_split_walk walk;
+    SG_TRY(begin_split(&b, split, 1, &walk));
+    for (uint32_t k = 0; k < split->nparts; k++)
+        ends[k] = sg_split_walk_next(&walk);
     return SG_OK;
 }

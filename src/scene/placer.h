@@ -4,7 +4,8 @@
 #ifndef SG_SCENE_PLACER_H
 #define SG_SCENE_PLACER_H
 
-#include "derivation/derivation.h"
+#include "scene/split_walk.h"
+#include "scene/stored_children.h"
 
 typedef struct {
     double x0, y0, x1, y1; /* picture coordinates */
@@ -22,23 +23,12 @@ typedef struct sg_placer {
     sg_place *items;
     size_t n, items_capacity;
     size_t nplaced;   /* since the last sg_placer_reset() */
-    size_t *children; /* stored children of the node */
-    size_t nchildren, children_capacity;
-    size_t *position; /* sg_op.child -> stored child */
-    size_t position_capacity;
+    sg_stored_children children;
     size_t *starts;   /* of the parts of the splits being placed */
     size_t nstarts, starts_capacity;
     double *sizes;    /* relative sizes of the body's outermost split or repeat, in picture order; none: no split */
     size_t nsizes, sizes_capacity;
 } sg_placer;
-
-/** Where a part of a split ends, as a share of the scope: the sum of the shares up to it, rounded to 2^-40. So a cut that
- * moves between two parts leaves those behind it where they were, to the last bit, however their sum is rounded. */
-static inline double sg_placer_share(double sum)
-{
-    const double grid = 6144; /* doubles near it are 2^-40 apart */
-    return sum + grid - grid;
-}
 
 /** The coordinate of a share along a scope that runs from `from` (share 0) to `to`, in either direction: never outside, exact
  *  at both ends, and equal shares give equal coordinates. */

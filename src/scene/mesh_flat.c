@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* mesh_flat.c - primitives whose faces are flat. */
+#include "scene/mesh_priv.h"
+
+#include <string.h>
+
+/* A shape of flat faces: corners in its frame, and which of them each face has, counterclockwise from outside. */
+typedef struct {
+    size_t nvertices, nfaces;
+    double at[8][3];
+    uint8_t face[6][4];
+    uint8_t ncorners[6];
+} solid;
+
+static void put_point(solid *s, double x, double y, double z)
+{
+    double *at = s->at[s->nvertices++];
+    at[0] = x;
+    at[1] = y;
+    at[2] = z;
+}
+
+static void put_face(solid *s, uint8_t n, uint8_t a, uint8_t b, uint8_t c, uint8_t d)
+{
+    uint8_t *f = s->face[s->nfaces];
+    f[0] = a;
+    f[1] = b;
+    f[2] = c;
+    f[3] = d;
+    s->ncorners[s->nfaces++] = n;
+}
+
+/* The polygon at z = 0, and for a prism the one at its far end and the sides between them. */
+static void put_prism(solid *s, const double (*corner)[2], uint8_t n, double depth)
+{
+    for (uint8_t i = 0; i < n; i++)
+        put_point(s, corner[i][0], corner[i][1], depth);
+    put_face(s, n, 0, 1, 2, 3);
+    if (depth == 0)
+        return;
+    for (uint8_t i = 0; i < n; i++)
+        put_point(s, corner[i][0], corner[i][1], 0);
+    put_face(s, n, (uint8_t)(2 * n - 1), (uint8_t)(2 * n - 2), (uint8_t)(2 * n - 3), n);
+    for (uint8_t i = 0; i < n; i++) {
+        const uint8_t j = (uint8_t)((i + 1) % n);
+        put_face(s, 4, (uint8_t)(n + i), (uint8_t)(n + j), j, i);
+    }
+}
+
+static void put_rectangle(solid *s, const double *size, double depth)
+{
+    const double corner[4][2] = {{0, 0}, {size[0], 0}, {size[0], size[1]}, {0, size[1]}};
+    put_prism(s, corner, 4, depth);
+}
+
+/* Base corners 0 to 3 (counterclockwise as seen from above), then the ridge, or the point of a pyramid. */
+static void put_hip(const sg_primitive *p, solid *s)
+{
+    const double w = p->size[0], h = p->size[1], l = p->size[2];
+    const bool point = sg_mesh_thin(p, l - w);
+    put_point(s, 0, 0, l);
+    put_point(s, w, 0, l);
+    put_point(s, w, 0, 0);
+    put_point(s, 0, 0, 0);
+    put_point(s, w / 2, h, point ? l / 2 : l - w / 2);
+    if (!point)
+        put_point(s, w / 2, h, w / 2);
+    put_face(s, 4, 3, 2, 1, 0);
+    put_face(s, 3, 0, 1, 4, 0);
+    put_face(s, 3, 2, 3, point ? 4 : 5, 0);
+    put_face(s, point ? 3 : 4, 1, 2, point ? 4 : 5, 4);
+    put_face(s, point ? 3 : 4, 3, 0, 4, 5);
+}
+
+static bool put_solid(const sg_primitive *p, solid *s)
+{
+    const bool flat = p->kind == SG_PRIMITIVE_POLYGON || p->kind == SG_PRIMITIVE_LABEL;
+    const bool thin[3] = {sg_mesh_thin(p, p->size[0]), sg_mesh_thin(p, p->size[1]), sg_mesh_thin(p, p->size[2])};
+    memset(s, 0, sizeof *s);
+    if (thin[0] || thin[1] || (!flat && thin[2]))
+        return false;
+    if (p->kind == SG_PRIMITIVE_HIP)
+        put_hip(p, s);
+    else if (p->kind == SG_PRIMITIVE_PRISM || p->kind == SG_PRIMITIVE_POLYGON)
+        put_prism(s, p->corner, (uint8_t)p->ncorners, flat ? 0 : p->size[2]);
+    else
+        put_rectangle(s, p->size, flat ? 0 : p->size[2]);
+    return true;
+}
+
+/* One normal for the face; u runs along its first side. */
+static void add_face(sg_mesh_builder *b, const solid *s, size_t k, uint32_t base, uint32_t group)
+{
+    const uint8_t *f = s->face[k];
+    const double(*v)[3] = (const double(*)[3])(b->mesh->vertices + base);
+    double u[3], w[3], normal[3];
+    sg_mesh_corner corner[4];
+    sg_vec_add(v[f[1]], -1, v[f[0]], u);
+    sg_vec_add(v[f[2]], -1, v[f[0]], w);
+    sg_vec_normalize(u);
+    sg_vec_normalize(w);
+    sg_vec_cross(u, w, normal);
+    sg_vec_normalize(normal);
+    sg_vec_cross(normal, u, w);
+    const uint32_t n = sg_mesh_add_normal(b, normal);
+    for (uint32_t i = 0; i < s->ncorners[k]; i++) {
+        double d[3];
+        sg_vec_add(v[f[i]], -1, v[f[0]], d);
+        corner[i] = (sg_mesh_corner){base + f[i], n, sg_mesh_add_uv(b, sg_vec_dot(d, u), sg_vec_dot(d, w))};
+    }
+    sg_mesh_add_face(b, corner, s->ncorners[k], group);
+}
+
+sg_status sg_mesh_add_flat(sg_mesh_builder *b, const sg_primitive *p)
+{
+    solid s;
+    uint32_t group;
+    if (!put_solid(p, &s))
+        return SG_OK;
+    SG_TRY(sg_mesh_group_of(b, p, &group));
+    SG_TRY(sg_mesh_reserve(b, s.nvertices, s.nfaces, 4 * s.nfaces, s.nfaces));
+    const uint32_t base = (uint32_t)b->mesh->nvertices;
+    for (size_t i = 0; i < s.nvertices; i++) {
+        double at[3];
+        sg_frame_point(&p->frame, s.at[i][0], s.at[i][1], s.at[i][2], at);
+        sg_mesh_add_vertex(b, at);
+    }
+    for (size_t k = 0; k < s.nfaces; k++)
+        add_face(b, &s, k, base, group);
+    return SG_OK;
+}

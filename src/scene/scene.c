@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* scene.c - walks a derivation with states on a stack of its own, so depth costs no C stack. */
+#include "scene/scene_priv.h"
+
+#include "core/array.h"
+#include "grammar/shape_ops.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void free_work(struct sg_scene_work *w)
+{
+    if (w == NULL)
+        return;
+    free(w->items);
+    sg_stored_children_clear(&w->children);
+    free(w);
+}
+
+void sg_scene_clear(sg_scene *scene)
+{
+    free(scene->items);
+    free_work(scene->work);
+    *scene = (sg_scene){0};
+}
+
+void sg_scene_states_clear(sg_scene_states *states)
+{
+    free(states->places);
+    *states = (sg_scene_states){0};
+}
+
+sg_scene_state sg_scene_first_state(const sg_scene_opts *opts)
+{
+    sg_scene_state s;
+    memset(&s, 0, sizeof s);
+    s.frame = (sg_frame)SG_FRAME_INIT;
+    memcpy(s.size, opts->size, sizeof s.size);
+    s.width = opts->width;
+    s.joint = -1;
+    s.material = s.label = SG_NONE;
+    return s;
+}
+
+/* Its length counts itself alone until the walk is over. */
+static sg_status enter(sg_scene_states *states, const sg_scene_item *item, size_t first, sg_error *err)
+{
+    if (!SG_GROW(states->places, states->capacity, states->n + 1))
+        return SG_FAIL_NOMEM(err);
+    const uint32_t parent = item->parent != SIZE_MAX ? (uint32_t)(states->n - item->parent) : 0;
+    states->places[states->n++] = (sg_scene_place){(uint32_t)item->node, parent, 1, first, item->state};
+    return SG_OK;
+}
+
+static void add_lengths(sg_scene_states *states, size_t base)
+{
+    for (size_t i = states->n; i-- > base;) {
+        const sg_scene_place *p = states->places + i;
+        if (p->parent > 0)
+            states->places[i - p->parent].length += p->length;
+    }
+}
+
+static void reverse_items(sg_scene_item *items, size_t n)
+{
+    for (size_t i = 0; i + 1 < n; i++) {
+        const sg_scene_item swap = items[i];
+        items[i] = items[--n];
+        items[n] = swap;
+    }
+}
+
+static sg_status place_item(sg_scene_body *b, const sg_scene_item *item, sg_scene_states *states)
+{
+    struct sg_scene_work *w = b->scene->work;
+    const sg_node *node = b->d->nodes + item->node;
+    const size_t mark = w->n;
+    b->place = states != NULL ? states->n : 0;
+    if (states != NULL)
+        SG_TRY(enter(states, item, b->scene->n, b->err));
+    if (node->rule >= SG_RULE_EMPTY)
+        return SG_OK;
+    b->node = item->node;
+    b->r = sg_grammar_rule(b->d->grammar, node->rule);
+    b->frame = b->d->values + node->values;
+    SG_TRY(sg_stored_children_find(&w->children, b->d, item->node, b->r, b->err));
+    SG_TRY(sg_scene_read_body(b, &item->state));
+    reverse_items(w->items + mark, w->n - mark); /* the first child is placed first */
+    return SG_OK;
+}
+
+static sg_status walk(sg_scene_body *b, const sg_scene_state *state, sg_scene_states *states)
+{
+    struct sg_scene_work *w = b->scene->work;
+    const size_t base = states != NULL ? states->n : 0;
+    w->n = 0;
+    sg_scene_item top = {b->node, SIZE_MAX, *state};
+    for (;;) {
+        SG_TRY(place_item(b, &top, states));
+        if (w->n == 0)
+            break;
+        top = w->items[--w->n];
+    }
+    if (states != NULL)
+        add_lengths(states, base);
+    return SG_OK;
+}
+
+sg_status sg_scene_interpret_slice(const sg_derivation *d, size_t node, const sg_scene_state *state,
+                                   const sg_scene_opts *opts, sg_scene *scene, sg_scene_states *states, sg_error *err)
+{
+    if (node >= d->nnodes)
+        return SG_FAIL(err, SG_EINVAL, "node %zu of a derivation of %zu nodes", node, d->nnodes);
+    if (scene->work == NULL && (scene->work = calloc(1, sizeof *scene->work)) == NULL)
+        return SG_FAIL_NOMEM(err);
+    const size_t mark = scene->n, places = states != NULL ? states->n : 0;
+    scene->grammar = d->grammar;
+    sg_scene_body b = {.d = d, .node = node, .scene = scene, .limit = opts->max_places, .nplaced = 1, .err = err};
+    const sg_status st = walk(&b, state, states);
+    if (st != SG_OK) {
+        scene->n = mark;
+        if (states != NULL)
+            states->n = places;
+    }
+    return st;
+}
+
+sg_status sg_scene_interpret(const sg_derivation *d, const sg_scene_opts *opts, sg_scene *scene, sg_error *err)
+{
+    const sg_scene_state state = sg_scene_first_state(opts);
+    scene->n = 0;
+    return sg_scene_interpret_slice(d, 0, &state, opts, scene, NULL, err);
+}
+
+uint32_t sg_scene_material(const sg_grammar *g, const sg_primitive *p, const char **name)
+{
+    enum { LIGHT_GREY = 0xc8c8c8 };
+    const uint32_t of_label = p->label != SG_NONE ? sg_grammar_symbol(g, p->label)->color : LIGHT_GREY;
+    *name = NULL;
+    if (p->material == SG_NONE)
+        return of_label;
+    if (p->material < SG_SHAPE_STRING_ARG)
+        return p->material;
+    *name = sg_grammar_string(g, p->material - SG_SHAPE_STRING_ARG);
+    return of_label;
+}

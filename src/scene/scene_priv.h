@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* scene_priv.h - the interpretation of one body: what the files of scenes share. */
+#ifndef SG_SCENE_SCENE_PRIV_H
+#define SG_SCENE_SCENE_PRIV_H
+
+#include "scene/scene.h"
+#include "scene/stored_children.h"
+
+/** A child to be placed, on the stack of the walk. */
+typedef struct {
+    size_t node, parent; /* place of the parent; SIZE_MAX: none */
+    sg_scene_state state;
+} sg_scene_item;
+
+struct sg_scene_work {
+    sg_scene_item *items;
+    size_t n, capacity;
+    sg_stored_children children;
+};
+
+/** The body of one node, while it is interpreted. */
+typedef struct {
+    const sg_derivation *d;
+    size_t node, place;
+    const sg_rule *r;
+    const double *frame; /* arguments and draw values */
+    sg_scene *scene;
+    size_t limit;   /* of primitives and places together */
+    size_t nplaced; /* so far, children on the stack included */
+    bool in_repeat;
+    unsigned unplaced; /* blocks passed over that this one stands in */
+    sg_error *err;
+} sg_scene_body;
+
+/** Interpret the body of b->node from this state: append its primitives to the scene, its children to the stack in
+ *  order.
+ *  @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_scene_read_body(sg_scene_body *b, const sg_scene_state *state);
+
+/** One shape operation other than components. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state *s);
+
+/** flat_roof, gable_roof and hip_roof over the scope. @param args  [nargs] */
+sg_status sg_scene_add_roof(sg_scene_body *b, const sg_op *op, const double *args, const sg_scene_state *s);
+
+/** The state on a face of the scope: x to the right as it is looked at, y up (of the top: to the back, of the bottom:
+ *  to the front), z outwards.
+ *  @param face  one of the six
+ *  @return false when it has no area, or is the back of a scope that is flat */
+bool sg_scene_face(const sg_scene_state *s, int face, sg_scene_state *out);
+
+/** A primitive that takes frame, size, material and label from the state. */
+sg_primitive sg_scene_primitive(const sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind kind);
+/** One more place or primitive. @return SG_OK, SG_ENUMERIC (too many) */
+sg_status sg_scene_count(sg_scene_body *b);
+/** Append it, unless b is unplaced. @return SG_OK, SG_ENUMERIC (not finite, too many), SG_ENOMEM */
+sg_status sg_scene_add(sg_scene_body *b, const sg_primitive *p);
+/** The scope as a box, or when it is flat along one axis as a rectangle of this kind (POLYGON or LABEL). */
+sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind flat);
+/** The corners of a rectangle from the origin. */
+void sg_scene_set_rectangle(sg_primitive *p, double width, double height);
+
+/** SG_ENUMERIC, with the symbol and line of the body before the sentence. */
+sg_status sg_scene_fail(sg_scene_body *b, const char *what);
+
+#endif

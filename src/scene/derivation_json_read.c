@@ -172,7 +172,7 @@ static sg_status store(const reader *r, size_t node)
     const slot *s = r->slots + node;
     if (s->json == NULL)
         return FAIL(r, node, "%s", "it is missing");
-    if (node > 0 && s->parent >= node)
+    if (node > 0 ? s->parent >= node : s->parent > 0)
         return FAIL(r, node, "%s", "its parent is not in front of it");
     sg_node n = {.parent = (uint32_t)(node - s->parent), .length = 1};
     SG_TRY(get_rule(r, node, s->json, &n.rule));

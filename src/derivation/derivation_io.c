@@ -252,7 +252,7 @@ static sg_status get_arrays(reader *r, sg_derivation *d)
     if (left(r) < (uint64_t)nnodes * NODE + ((uint64_t)nuniforms + nvalues) * 8)
         return FAIL(r, at, "%zu nodes, %zu uniforms and %zu values are more than the file holds", nnodes, nuniforms,
                     nvalues);
-    SG_TRY(sg_derivation_reserve(d, nnodes, nuniforms, nvalues, r->err));
+    SG_TRY(sg_derivation_reserve(d, nnodes, nuniforms + 1, nvalues + 1, r->err)); /* so that both arrays are there */
     d->nuniforms = nuniforms;
     d->nvalues = nvalues;
     size_t values = 0, uniforms = 0;

@@ -181,7 +181,7 @@ static sg_status store(const reader *r, size_t node)
     const sg_rule *rule = sg_node_rule(d, &n);
     const size_t nuniforms = rule != NULL ? rule->nuniforms : 0;
     const size_t nvalues = sg_grammar_symbol(r->g, n.symbol)->nparams + (rule != NULL ? rule->nvalues : 0);
-    SG_TRY(sg_derivation_reserve(d, 1, nuniforms, nvalues, r->err));
+    SG_TRY(sg_derivation_reserve(d, 1, nuniforms + 1, nvalues + 1, r->err)); /* so that both arrays are there */
     SG_TRY(get_numbers(r, node, s->json, "uniforms", d->uniforms + d->nuniforms, nuniforms));
     SG_TRY(get_numbers(r, node, s->json, "values", d->values + d->nvalues, nvalues));
     n.uniforms = (uint32_t)d->nuniforms;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sample-grammar.c - models from a grammar: label maps, pictures, lattices, derivations, meshes. */
+/* sample-grammar.c - models from a grammar, sampled or stored before: label maps, pictures, lattices, derivations, meshes. */
 #include "config.h"
 
 #include "core/file.h"
@@ -9,6 +9,7 @@
 #include "program/program.h"
 #include "scene/contact_sheet.h"
 #include "scene/derivation_json.h"
+#include "scene/derivation_load.h"
 #include "scene/label_svg.h"
 #include "scene/mesh_obj.h"
 
@@ -22,17 +23,19 @@
 static const char help[] =
     "Example: sample-grammar haussmann.sg -n 16 -o facades --sheet 4x4\n\n"
     "Usage: sample-grammar GRAMMAR -n N -o DIR [OPTION]...\n"
-    "Sample models from a grammar (*.sg, or its JSON form).\n\n"
+    "Sample models from a grammar (*.sg, or its JSON form), or show stored ones.\n\n"
     "  -n N               number of samples (default 1)\n"
+    "  --from FILE        do not sample: the derivations in FILE (NAME.sgd or NAME.json)\n"
     "  -o DIR             folder for the results; it is made when it is not there\n"
     "  --size WxH         size of a picture in pixels (default 300x400)\n"
-    "  --formats LIST     what to write, with commas between (default all but obj):\n"
+    "  --formats LIST     what to write, with commas between (default all but obj and derivation):\n"
     "                       labels   NAME.png, a label map, and classes.tsv\n"
     "                       rgb      NAME.rgb.png, the labels' colours\n"
     "                       svg      NAME.svg\n"
     "                       lat      NAME.lat, the lattice of all cuts\n"
     "                       json     NAME.json, the derivation with its rectangles\n"
     "                       sheet    sheet.png, the first samples on one page\n"
+    "                       derivation  NAME.sgd, the derivation as it is stored\n"
     "                       obj      NAME.obj and NAME.mtl, the model in space\n"
     "  --scope XxYxZ      size of the first scope of obj (default 1x1x1)\n"
     "  --detail N         level of detail of obj: 0 the finest (default) to 15\n"
@@ -42,13 +45,15 @@ static const char help[] =
     "  --name PREFIX      NAME is PREFIX-0001 and so on (default: the grammar's name)\n"
     "  --max-nodes N      a derivation with more nodes is an error (default 1000000)\n" SG_COMMON_HELP;
 
-enum { FORMAT_LABELS = 1, FORMAT_RGB = 2, FORMAT_SVG = 4, FORMAT_LAT = 8, FORMAT_JSON = 16, FORMAT_SHEET = 32, FORMAT_OBJ = 64 };
+enum { FORMAT_LABELS = 1, FORMAT_RGB = 2, FORMAT_SVG = 4, FORMAT_LAT = 8, FORMAT_JSON = 16, FORMAT_SHEET = 32,
+       FORMAT_OBJ = 64, FORMAT_DERIVATION = 128 };
 enum { FORMATS_ALL = 63 /* of label scenes */, MAX_SAMPLES = 1000000, SHEET_SIDE_PX = 4096 };
 
 typedef struct {
     sg_common_opts common;
-    const char *grammar, *folder, *name;
-    size_t n, width, height, columns, rows, max_nodes, detail;
+    const char *grammar, *folder, *name, *from; /* from: NULL when sampling */
+    size_t n; /* 0: not said */
+    size_t width, height, columns, rows, max_nodes, detail;
     double scope[3];
     unsigned formats; /* 0: the default */
     bool dataset;
@@ -64,6 +69,8 @@ typedef struct {
 typedef struct {
     const options *opts;
     const sg_grammar *g;
+    sg_derivation_file stored; /* none when sampling */
+    size_t n;                  /* samples */
     char name[256];
     sg_classes classes;
     uint8_t *value_of;   /* [symbols] */
@@ -113,7 +120,7 @@ static bool parse_scope(const char *arg, double *size)
 
 static bool parse_formats(const char *arg, unsigned *formats)
 {
-    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "all", NULL};
+    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation", "all", NULL};
     *formats = 0;
     for (const char *p = arg;;) {
         const size_t length = strcspn(p, ",");
@@ -122,14 +129,15 @@ static bool parse_formats(const char *arg, unsigned *formats)
         snprintf(word, sizeof word, "%.*s", (int)(length < 31 ? length : 31), p);
         if (!sg_program_choice("--formats", word, names, &which))
             return false;
-        *formats |= which == 7 ? FORMATS_ALL : 1U << which;
+        *formats |= which == 8 ? FORMATS_ALL : 1U << which;
         if (p[length] == '\0')
             return true;
         p += length + 1;
     }
 }
 
-enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES, OPT_SCOPE, OPT_DETAIL };
+enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES, OPT_SCOPE, OPT_DETAIL,
+       OPT_FROM };
 
 static bool take_option(int opt, const char *arg, void *user)
 {
@@ -153,6 +161,9 @@ static bool take_option(int opt, const char *arg, void *user)
     case OPT_DATASET:
         o->dataset = true;
         return true;
+    case OPT_FROM:
+        o->from = arg;
+        return true;
     case OPT_NAME:
         o->name = arg;
         return arg[0] != '\0' && strchr(arg, '/') == NULL && strlen(arg) < 200
@@ -175,6 +186,7 @@ static int parse_args(int argc, char **argv, options *o)
                                           {"scope", required_argument, NULL, OPT_SCOPE},
                                           {"detail", required_argument, NULL, OPT_DETAIL},
                                           {"max-nodes", required_argument, NULL, OPT_MAX_NODES},
+                                          {"from", required_argument, NULL, OPT_FROM},
                                           {NULL, 0, NULL, 0}};
     const int end = sg_program_options(argc, argv, "n:o:", longs, help, &o->common, take_option, o);
     if (end >= 0)
@@ -183,6 +195,9 @@ static int parse_args(int argc, char **argv, options *o)
         return sg_program_usage("one grammar file is wanted, not %d", argc - optind);
     if (o->folder == NULL)
         return sg_program_usage("-o DIR is missing");
+    if (o->from != NULL && o->n > 0)
+        return sg_program_usage("-n and --from: a file holds as many derivations as it holds");
+    o->n = o->n > 0 ? o->n : 1;
     o->grammar = argv[optind];
     if (o->formats == 0)
         o->formats = o->dataset ? FORMAT_LABELS : FORMATS_ALL;
@@ -191,13 +206,20 @@ static int parse_args(int argc, char **argv, options *o)
     return -1;
 }
 
-/* Never the grammar itself: -o may name the folder it stands in. */
-static sg_status check_not_input(const job *j, const char *path, sg_error *err)
+static bool is_same_file(const char *a, const char *b)
 {
     struct stat in, out;
-    if (stat(j->opts->grammar, &in) == 0 && stat(path, &out) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino &&
-        S_ISREG(out.st_mode))
-        return SG_FAIL(err, SG_EINVAL, "%s: this is the grammar that is read; choose another folder or --name", path);
+    return a != NULL && stat(a, &in) == 0 && stat(b, &out) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino &&
+           S_ISREG(out.st_mode);
+}
+
+/* Never what is read: -o may name the folder it stands in. */
+static sg_status check_not_input(const job *j, const char *path, sg_error *err)
+{
+    const bool grammar = is_same_file(j->opts->grammar, path);
+    if (grammar || is_same_file(j->opts->from, path))
+        return SG_FAIL(err, SG_EINVAL, "%s: %s read; choose another folder or --name", path,
+                       grammar ? "this is the grammar that is" : "these are the derivations that are");
     return SG_OK;
 }
 
@@ -287,6 +309,13 @@ static sg_status write_mesh(const job *j, worker *w, size_t i, sg_error *err)
     return sg_mesh_obj_save(&w->mesh, path, err);
 }
 
+static sg_status write_stored(const job *j, const worker *w, size_t i, sg_error *err)
+{
+    char path[4096];
+    SG_TRY(path_of(j, "", i, ".sgd", path, sizeof path, err));
+    return sg_derivation_file_write(path, j->g, &w->d, 1, err);
+}
+
 static sg_status write_formats(const job *j, worker *w, size_t i, sg_error *err)
 {
     const unsigned f = j->opts->formats;
@@ -302,6 +331,8 @@ static sg_status write_formats(const job *j, worker *w, size_t i, sg_error *err)
         SG_TRY(write_text(j, w, i, ".json", print_derivation, err));
     if (f & FORMAT_OBJ)
         SG_TRY(write_mesh(j, w, i, err));
+    if (f & FORMAT_DERIVATION)
+        SG_TRY(write_stored(j, w, i, err));
     return SG_OK;
 }
 
@@ -338,10 +369,20 @@ static sg_status note_sample(job *j, worker *w, size_t i, sg_error *err)
 }
 
 /* Sample i is a pure function of the seed and i. */
+static sg_status derive(const job *j, worker *w, size_t i, sg_error *err)
+{
+    if (j->opts->from == NULL) {
+        sg_random_stream(w->rng, j->opts->common.seed, (uint32_t)i, 0);
+        return sg_derivation_sample(&w->d, w->rng, j->opts->max_nodes, err);
+    }
+    if (j->stored.items[i].nnodes > j->opts->max_nodes)
+        return SG_FAIL(err, SG_ENUMERIC, "more than %zu nodes", j->opts->max_nodes);
+    return sg_derivation_copy(&w->d, j->stored.items + i, err);
+}
+
 static sg_status make_sample(job *j, worker *w, size_t i, sg_error *err)
 {
-    sg_random_stream(w->rng, j->opts->common.seed, (uint32_t)i, 0);
-    SG_TRY(sg_derivation_sample(&w->d, w->rng, j->opts->max_nodes, err));
+    SG_TRY(derive(j, w, i, err));
     if (wants_labels(j->opts))
         SG_TRY(sg_label_scene_interpret(&w->scene, &w->d, (double)j->opts->width, (double)j->opts->height, err));
     SG_TRY(write_formats(j, w, i, err));
@@ -393,7 +434,7 @@ static void run_worker(job *j, sg_progress *progress, size_t *ndone)
     worker w;
     const bool good = worker_open(j, &w);
 #pragma omp for schedule(dynamic, 1)
-    for (size_t i = 0; i < j->opts->n; i++) {
+    for (size_t i = 0; i < j->n; i++) {
         sg_error err = SG_ERROR_INIT;
         if (i > lowest_failure(j) || sg_progress_stopped(progress))
             continue;
@@ -404,7 +445,7 @@ static void run_worker(job *j, sg_progress *progress, size_t *ndone)
         if (err.code != SG_OK)
             note_failure(j, i, &err);
 #pragma omp critical(sample_progress)
-        sg_progress_report(progress, "sampling", ++*ndone, j->opts->n);
+        sg_progress_report(progress, j->opts->from == NULL ? "sampling" : "showing", ++*ndone, j->n);
     }
     worker_close(&w);
 }
@@ -418,7 +459,7 @@ static sg_status sample_all(job *j, sg_error *err)
 #pragma omp parallel
     run_worker(j, &progress, &ndone);
     sg_program_progress_end();
-    if (j->failed < j->opts->n) {
+    if (j->failed < j->n) {
         *err = j->err;
         return err->code;
     }
@@ -473,9 +514,12 @@ static json_t *sample_json(const job *j, size_t i)
 static json_t *report_json(const job *j)
 {
     json_t *samples = json_array();
-    for (size_t i = 0; i < j->opts->n; i++)
+    for (size_t i = 0; i < j->n; i++)
         if (j->stats[i].done && json_array_append_new(samples, sample_json(j, i)) != 0)
             return json_decref(samples), NULL;
+    if (j->opts->from != NULL)
+        return json_pack("{s:s, s:s, s:[I, I], s:o}", "grammar", sg_grammar_name(j->g), "from", j->opts->from, "size",
+                         (json_int_t)j->opts->width, (json_int_t)j->opts->height, "samples", samples);
     return json_pack("{s:s, s:I, s:s, s:[I, I], s:o}", "grammar", sg_grammar_name(j->g), "seed",
                      (json_int_t)j->opts->common.seed, "generator", sg_random_philox->name, "size",
                      (json_int_t)j->opts->width, (json_int_t)j->opts->height, "samples", samples);
@@ -529,7 +573,7 @@ static void plan_sheet(job *j)
     const options *o = j->opts;
     if (!(o->formats & FORMAT_SHEET))
         return;
-    j->nthumbs = o->columns * o->rows < o->n ? o->columns * o->rows : o->n;
+    j->nthumbs = o->columns * o->rows < j->n ? o->columns * o->rows : j->n;
     const double scale = fmin(1, fmin((double)SHEET_SIDE_PX / (double)(o->columns * o->width),
                                       (double)SHEET_SIDE_PX / (double)(o->rows * o->height)));
     j->thumb_width = (size_t)fmax(1, scale * (double)o->width);
@@ -539,7 +583,7 @@ static void plan_sheet(job *j)
 static sg_status job_open(job *j, sg_error *err)
 {
     j->nsymbols = sg_grammar_symbol_count(j->g);
-    j->failed = j->opts->n;
+    j->failed = j->n;
     const char *name = j->opts->name != NULL ? j->opts->name : sg_grammar_name(j->g);
     snprintf(j->name, sizeof j->name, "%s", name != NULL && name[0] != '\0' ? name : "sample");
     for (char *p = j->name; *p != '\0'; p++)
@@ -547,13 +591,13 @@ static sg_status job_open(job *j, sg_error *err)
             *p = '_';
     plan_sheet(j);
     j->value_of = calloc(j->nsymbols, 1);
-    j->stats = calloc(j->opts->n, sizeof *j->stats);
+    j->stats = calloc(j->n, sizeof *j->stats);
     j->thumbs = calloc(j->nthumbs + 1, sizeof *j->thumbs);
     if (j->value_of == NULL || j->stats == NULL || j->thumbs == NULL)
         return SG_FAIL_NOMEM(err);
     if (wants_labels(j->opts))
         SG_TRY(sg_label_classes(j->g, &j->classes, j->value_of, err));
-    j->share = calloc(j->opts->n * j->classes.nclasses + 1, sizeof *j->share);
+    j->share = calloc(j->n * j->classes.nclasses + 1, sizeof *j->share);
     return j->share != NULL ? SG_OK : SG_FAIL_NOMEM(err);
 }
 
@@ -561,6 +605,7 @@ static void job_close(job *j)
 {
     for (size_t i = 0; j->thumbs != NULL && i < j->nthumbs; i++)
         sg_image_clear(j->thumbs + i);
+    sg_derivation_file_clear(&j->stored);
     free(j->thumbs);
     free(j->stats);
     free(j->share);
@@ -568,10 +613,21 @@ static void job_close(job *j)
     sg_classes_clear(&j->classes);
 }
 
+static sg_status load_stored(job *j, sg_error *err)
+{
+    if (j->opts->from == NULL)
+        return SG_OK;
+    SG_TRY(sg_derivation_load(j->opts->from, j->g, &j->stored, err));
+    j->n = j->stored.n;
+    return j->n > 0 ? SG_OK : SG_FAIL(err, SG_EINPUT, "%s: it holds no derivation", j->opts->from);
+}
+
 static sg_status run(const options *o, const sg_grammar *g, sg_error *err)
 {
-    job j = {.opts = o, .g = g};
-    sg_status st = job_open(&j, err);
+    job j = {.opts = o, .g = g, .n = o->n};
+    sg_status st = load_stored(&j, err);
+    if (st == SG_OK)
+        st = job_open(&j, err);
     if (st == SG_OK)
         st = make_folders(&j, err);
     if (st == SG_OK)
@@ -589,7 +645,6 @@ static sg_status run(const options *o, const sg_grammar *g, sg_error *err)
 int main(int argc, char **argv)
 {
     options o = {.common = SG_COMMON_OPTS_INIT,
-                 .n = 1,
                  .width = 300,
                  .height = 400,
                  .columns = 4,

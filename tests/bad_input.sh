@@ -164,6 +164,56 @@ expect 3 parse-lattice bad.sg lat/f1.lat
 bytes 'label a\nrule S -> \377' bad.sg
 expect 3 print-grammar bad.sg
 says err 'bad.sg:2:11: error: byte 0xff is no UTF-8'
+# hostile ones: refused before time, stack or memory run out
+many() { seq 1 "$1" | sed "s;.*;$2;" | tr -d '\n'; } # N TEXT: & is the number
+hostile() { # MESSAGE: of bad.sg
+    expect 3 print-grammar bad.sg
+    says err "bad.sg:.*$1"
+}
+head -c 100000000 /dev/zero | tr '\000' '#' >bad.sg
+hostile 'larger than the 16777216 bytes'
+(printf '%s' "${head}rule S -> "; many 10000 '[') >bad.sg
+hostile '1:307: error: brackets nested more than 256 deep'
+(printf '%s' "${head}rule S -> "; many 10000 'split x {') >bad.sg
+hostile 'brackets nested more than 256 deep'
+(printf '%s' "${head}rule S -> "; many 100000 '-') >bad.sg
+hostile 'nested too deep'
+(printf '%s' "${head}rule S -> "; many 100000 '1+'; echo 1:a) >bad.sg
+hostile 'an expression of more than 1000 levels'
+(echo 'function f0(x) = x'; many 60 'function g&(x) = x + x '; echo 'const c = g61(1)') >bad.sg
+hostile "unknown function or distribution 'g61'"
+(printf '%s' "${head}rule S(p"; many 20000 ', p&'; echo ') -> a') >bad.sg
+hostile 'more than 1000 parameters'
+(printf '%s' "${head}rule S -> "; many 20000 'd& ~ uniform(0, 1) '; echo 'a') >bad.sg
+hostile 'more than 1000 draws in a rule'
+(printf '%s' "tied ${head}rule T(x) -> a rule S -> split x { a"; many 20000 '| T(&)'; echo '}') >bad.sg
+hostile 'more than 5000 different successors'
+(printf '%s' "${head}rule S -> split x { a"; many 3000 '| b'; printf '} sizes mean (0'; many 3000 ', 1'; printf ') sd (0'; many 3000 ', 1'; echo ')') >bad.sg
+hostile 'sizes for 3001 parts'
+(printf '%s' "${head}rule S -> "; many 100000 9; echo ': a') >bad.sg
+hostile 'is out of the range of numbers'
+echo "${head}limit depth 1e300 rule S -> a" >bad.sg
+hostile 'the depth limit must be a whole number'
+echo "${head}function f(x) = f(x) rule S -> f(1) : a" >bad.sg
+hostile "'f'"
+echo "${head}rule S -> split x { S | S }" >bad.sg
+hostile "'S' is unproductive"
+printf 'label a start S \355\240\200' >bad.sg
+hostile 'is no UTF-8'
+printf 'label a start S \000 rule S -> a' >bad.sg
+hostile 'control character 0x00'
+many 10000 '[' >bad.sg
+hostile "1:1: error: found '\\['"
+many 10000 '{"a":' >bad.sg
+hostile 'maximum parsing depth reached'
+many 100000 '[],' | sed 's/^/{"a":[/; s/$/[]]}/' >bad.sg
+hostile '"format" is missing'
+echo 'label a start S(1) rule S(x) if x > 0 -> split x { S(x + 1) | a } rule S(x) if x <= 0 -> a' >endless.sg
+expect 1 sample-grammar endless.sg -o endless --max-nodes 100000
+says err 'more than 100000 nodes'
+echo 'label a start S rule S -> repeat x 1e6 { repeat y 1e6 { repeat x 0 { T } } } rule T -> a' >endless.sg
+expect 1 sample-grammar endless.sg -o endless
+says err 'its repeats place more than 16777216 blocks'
 bad_exchange() { # SED
     sed "$1" g.json >bad.json
     if cmp -s bad.json g.json; then fail "nothing changed by $1"; fi

@@ -80,6 +80,41 @@ for bad in "--scope 1x1" "--scope 1x-1x1" "--scope 1x1xnan" "--scope 1x1x1x" "--
     # shellcheck disable=SC2086
     expect 2 "$sample" "$work/plant.sg" -o "$work/m6" --formats obj $bad
 done
+# Stored derivations, in both forms, give what was sampled, and are stored the same again.
+expect 0 "$sample" "$grammars/haussmann.sg" -n 3 -o "$work/kept" --size 60x80 --formats derivation
+[ "$(find "$work/kept" -type f | sort | xargs -n1 basename | tr '\n' ' ')" = "haussmann-0001.sgd haussmann-0002.sgd haussmann-0003.sgd " ] ||
+    fail "derivations: $(ls -A "$work/kept")"
+for from in kept/haussmann-0002.sgd a/haussmann-0002.json; do
+    rm -rf "$work/shown"
+    expect 0 "$sample" "$grammars/haussmann.sg" --from "$work/$from" -o "$work/shown" --size 60x80 --json "$work/shown.json" \
+        --formats all,derivation
+    for suffix in png rgb.png svg lat json; do
+        cmp -s "$work/a/haussmann-0002.$suffix" "$work/shown/haussmann-0001.$suffix" || fail "$from shows another $suffix"
+    done
+    cmp -s "$work/kept/haussmann-0002.sgd" "$work/shown/haussmann-0001.sgd" || fail "$from is stored otherwise"
+    grep -q '"from"' "$work/shown.json" && ! grep -q '"seed"' "$work/shown.json" || fail "the report of $from"
+done
+(echo '['; cat "$work/a/haussmann-0001.json"; echo ,; cat "$work/a/haussmann-0003.json"; echo ']') |
+    expect 0 "$sample" "$grammars/haussmann.sg" --from - -o "$work/two" --formats labels --size 60x80 || exit 1
+cmp -s "$work/a/haussmann-0003.png" "$work/two/haussmann-0002.png" || fail "an array of derivations is not shown"
+expect 3 "$sample" "$grammars/office.sg" --from "$work/kept/haussmann-0001.sgd" -o "$work/g"
+grep -q "haussmann-0001.sgd: byte 24: these are derivations of another grammar than 'office'" "$work/err" || fail "another grammar"
+expect 3 "$sample" "$grammars/office.sg" --from "$work/a/haussmann-0001.json" -o "$work/g"
+expect 3 "$sample" "$grammars/haussmann.sg" --from "$work/none.sgd" -o "$work/g"
+for n in 0 7 30 100; do
+    head -c $n "$work/kept/haussmann-0001.sgd" >"$work/cut.sgd"
+    expect 3 "$sample" "$grammars/haussmann.sg" --from "$work/cut.sgd" -o "$work/g"
+    grep -q 'cut.sgd: ' "$work/err" || fail "a cut file is not named"
+done
+printf '{"rule":0,\n"symbol"}' >"$work/bad.json"
+expect 3 "$sample" "$grammars/haussmann.sg" --from "$work/bad.json" -o "$work/g"
+grep -q 'bad.json:2:9: error: ' "$work/err" || fail "no line and column of the error"
+echo '[]' >"$work/bad.json"
+expect 3 "$sample" "$grammars/haussmann.sg" --from "$work/bad.json" -o "$work/g"
+expect 2 "$sample" "$grammars/haussmann.sg" --from "$work/kept/haussmann-0001.sgd" -n 2 -o "$work/g"
+expect 1 "$sample" "$grammars/haussmann.sg" --from "$work/kept/haussmann-0001.sgd" --max-nodes 3 -o "$work/few"
+expect 2 "$sample" "$grammars/haussmann.sg" --from "$work/kept/haussmann-0001.sgd" --formats derivation -o "$work/kept"
+[ ! -e "$work/g" ] || fail "a bad file of derivations leaves a folder"
 
 # Help, version, wrong usage.
 expect 0 "$sample" --help

@@ -106,7 +106,8 @@ sg_status sg_derivation_check(const sg_derivation *d, sg_error *err);
 /** The stored children that rule r of node `parent` asks for, appended to the list: one item a child, in order. Successors
  *  outside repeats with one sg_op.child are one child; those in a repeat are children anew each time.
  *  @param frame  arguments and draw values of the node
- *  @return SG_OK, SG_EINVAL (more than `limit` items in the list), SG_ENUMERIC (a repeat count), SG_ENOMEM */
+ *  @return SG_OK, SG_EINVAL (more than `limit` items in the list), SG_ENUMERIC (a repeat count, or repeats that place more than
+ *          2^24 blocks), SG_ENOMEM */
 sg_status sg_derivation_list_children(const sg_grammar *g, const sg_rule *r, const double *frame, double depth,
                                       uint32_t parent, size_t limit, sg_child_list *list, sg_error *err);
 

@@ -5,6 +5,9 @@
 
 #include <stdio.h>
 
+/* Most blocks that the repeats of one body place: nested ones multiply, and may place nothing that is ever counted. */
+#define MAX_PLACED ((size_t)1 << 24)
+
 /* State of one listing. Successors outside repeats are numbered by first occurrence: what is below next_id is known. */
 typedef struct {
     const sg_grammar *g;
@@ -12,7 +15,7 @@ typedef struct {
     const double *frame;
     double depth;
     uint32_t parent, next_id;
-    size_t limit;
+    size_t limit, nplaced;
     sg_child_list *list;
     sg_error *err;
 } listing;
@@ -37,6 +40,9 @@ static sg_status list_block(listing *l, size_t first, size_t end, bool in_repeat
         if (op->kind == SG_OP_REPEAT) {
             size_t times = 0;
             SG_TRY(sg_op_repeat_count(l->g, op, l->frame, l->depth, &times, l->err));
+            l->nplaced += times;
+            if (l->nplaced > MAX_PLACED)
+                return SG_FAIL(l->err, SG_ENUMERIC, "its repeats place more than %zu blocks", MAX_PLACED);
             for (size_t t = 0; t < times; t++)
                 SG_TRY(list_block(l, i + 1, i + op->length, true));
             i += op->length - 1;
@@ -54,7 +60,7 @@ static sg_status list_block(listing *l, size_t first, size_t end, bool in_repeat
 sg_status sg_derivation_list_children(const sg_grammar *g, const sg_rule *r, const double *frame, double depth,
                                       uint32_t parent, size_t limit, sg_child_list *list, sg_error *err)
 {
-    listing l = {g, r, frame, depth, parent, 0, limit, list, err};
+    listing l = {g, r, frame, depth, parent, 0, limit, 0, list, err};
     return list_block(&l, 0, r->nops, false);
 }
 

@@ -10,6 +10,7 @@
 #include "grammar/source.h"
 
 enum {
+    SG_MAX_PARAMS = 1000, /* of a symbol or function: they are found by their names one by one */
     SG_MAX_NESTING = 256, /* of brackets */
     SG_MAX_HEIGHT = 1000, /* of an expression's tree: bounds the recursion of everything that walks it */
 };

@@ -69,6 +69,8 @@ sg_status sg_build_string(sg_builder *b, const char *s, uint32_t *index)
 
 static sg_status check_params(sg_builder *b, const sg_ast_names *params)
 {
+    if (params->n > SG_MAX_PARAMS)
+        return FAIL(b, params->first->at, "more than %d parameters", SG_MAX_PARAMS);
     for (const sg_ast_name *n = params->first; n != NULL; n = n->next) {
         if (sg_build_is_reserved(n->name))
             return FAIL(b, n->at, "'%s' has a meaning of its own and cannot be a parameter", n->name);

@@ -19,6 +19,8 @@ typedef struct {
     sg_op *ops;
     size_t nops, capacity;
     uint32_t nchildren;
+    size_t *tied; /* operations that are the first to place their child, outside of repeats; with tied siblings only */
+    size_t ntied, tied_capacity;
     unsigned repeats;  /* how many repeats we are in */
     unsigned blocks;   /* splits, repeats, components: labels in them stand for lexical symbols */
     const sg_ast_sizes *examples; /* the split whose training sizes the rule keeps */
@@ -68,38 +70,48 @@ static void set_args(body *y, size_t op, const sg_expr *args, uint32_t n)
     y->ops[op].nargs = n;
 }
 
-/* The child that a successor places: with tied siblings an earlier equal one outside of repeats, else a new one. */
-static uint32_t child_of(body *y, size_t index)
+static bool is_equal_call(const body *y, const sg_op *a, const sg_op *b)
 {
-    const sg_op *op = &y->ops[index];
-    if (y->b->ast->tied && y->repeats == 0) {
-        for (size_t i = 0; i < index; i++) {
-            const sg_op *q = &y->ops[i];
-            if (q->kind == SG_OP_REPEAT) {
-                i += q->length - 1;
-                continue;
-            }
-            if (q->kind != SG_OP_SUCCESSOR || q->symbol != op->symbol || q->child == SG_NONE)
-                continue;
-            uint32_t equal = 0;
-            while (equal < op->nargs && sg_build_equal(y->b, q->args[equal], op->args[equal]))
-                equal++;
-            if (equal == op->nargs)
-                return q->child;
-        }
-    }
-    return y->nchildren++;
+    if (a->symbol != b->symbol)
+        return false;
+    uint32_t equal = 0;
+    while (equal < b->nargs && sg_build_equal(y->b, a->args[equal], b->args[equal]))
+        equal++;
+    return equal == b->nargs;
 }
 
-static sg_status add_successor(body *y, sg_sym symbol, const sg_expr *args, uint32_t nargs)
+/* With tied siblings an earlier equal successor outside of repeats places the child, else a new one. */
+static sg_status tie_child(body *y, size_t index)
+{
+    for (size_t i = 0; i < y->ntied; i++) {
+        const sg_op *q = &y->ops[y->tied[i]];
+        if (is_equal_call(y, q, &y->ops[index])) {
+            y->ops[index].child = q->child;
+            return SG_OK;
+        }
+    }
+    if (!SG_GROW(y->tied, y->tied_capacity, y->ntied + 1))
+        return sg_build_fail_nomem(y->b);
+    y->tied[y->ntied++] = index;
+    y->ops[index].child = y->nchildren++;
+    return SG_OK;
+}
+
+static sg_status add_successor(body *y, sg_sym symbol, const sg_expr *args, uint32_t nargs, sg_pos at)
 {
     size_t op = 0;
     SG_TRY(add_op(y, SG_OP_SUCCESSOR, &op));
     y->ops[op].symbol = symbol;
     set_args(y, op, args, nargs);
-    if (y->b->symbols[symbol].kind == SG_SYMBOL_NONTERMINAL)
-        y->ops[op].child = child_of(y, op);
-    return SG_OK;
+    if (y->b->symbols[symbol].kind != SG_SYMBOL_NONTERMINAL)
+        return SG_OK;
+    if (!y->b->ast->tied || y->repeats > 0) {
+        y->ops[op].child = y->nchildren++;
+        return SG_OK;
+    }
+    if (y->ntied > SG_MAX_TIED)
+        return FAIL(y, at, "more than %d different successors in a rule of a grammar with tied siblings", SG_MAX_TIED);
+    return tie_child(y, op);
 }
 
 static sg_status successor_args(body *y, const sg_ast_item *call, sg_sym symbol, uint32_t before, sg_expr **args)
@@ -188,7 +200,7 @@ static sg_status build_call(body *y, sg_ast_item *call)
     call->parentheses = call->nargs > 0; /* X() is X */
     if (is_label && y->blocks > 0)
         SG_TRY(sg_build_lexical(y->b, s, &s));
-    return add_successor(y, s, args, call->nargs);
+    return add_successor(y, s, args, call->nargs, call->at);
 }
 
 static sg_status build_maybe(body *y, sg_ast_item *item)
@@ -211,7 +223,7 @@ static sg_status build_maybe(body *y, sg_ast_item *item)
         args[0] = p;
     sg_sym hidden = SG_NONE;
     SG_TRY(sg_build_optional(y->b, target, constant, value, item->at, &hidden));
-    return add_successor(y, hidden, args, call->nargs + !constant);
+    return add_successor(y, hidden, args, call->nargs + !constant, call->at);
 }
 
 static sg_status build_block(body *y, size_t op, sg_ast_item *items)
@@ -416,5 +428,6 @@ sg_status sg_build_body(sg_builder *b, const sg_ast_names *params, sg_ast_item *
         st = keep(&y, items, rule);
     free(y.ops);
     free(y.draws.draws);
+    free(y.tied);
     return st;
 }

@@ -76,6 +76,8 @@ sg_status sg_build_draw(sg_builder *b, const sg_scope *scope, const sg_ast_expr 
         return FAIL(b, call->at, "unknown function or distribution '%.60s' in %s", call->name, scope->what);
     if (scope->draws == NULL)
         return FAIL(b, call->at, "a random draw in %s; draws belong into bodies", scope->what);
+    if (scope->draws->n >= SG_MAX_DRAWS)
+        return FAIL(b, call->at, "more than %d draws in a rule", SG_MAX_DRAWS);
     if (info->tuples ? call->nargs == 0 : call->nargs != info->nargs)
         return bad_arity(b, call, info);
     const uint32_t n = info->tuples ? call->nargs * info->nargs : call->nargs;
@@ -167,6 +169,8 @@ static sg_status check_sizes(sg_builder *b, const sg_ast_sizes *s, size_t k)
 sg_status sg_build_simplex(sg_builder *b, const sg_scope *scope, const sg_ast_sizes *sizes, size_t nparts,
                            uint32_t *draw)
 {
+    if (nparts > SG_MAX_SIZES)
+        return FAIL(b, sizes->at, "sizes for %zu parts; they can be drawn for at most %d", nparts, SG_MAX_SIZES);
     SG_TRY(check_sizes(b, sizes, nparts));
     if (sizes->mean == NULL)
         return SG_OK;

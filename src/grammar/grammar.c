@@ -12,8 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Much more than any grammar needs; offsets have 32 bits. */
-static const size_t MAX_FILE = (size_t)64 << 20;
+/* Much more than any grammar needs; what is made of it while it is read takes up to a hundred times as much memory. */
+static const size_t MAX_FILE = (size_t)16 << 20;
 
 static sg_status parse_language(const char *text, size_t length, const char *name, sg_arena *arena, sg_grammar **out,
                                 sg_error *err)

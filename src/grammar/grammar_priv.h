@@ -13,6 +13,9 @@ typedef uint32_t sg_operand;
 
 enum { SG_IN_CONSTANTS, SG_IN_FRAME, SG_IN_REGISTERS, SG_IN_DEPTH };
 enum { SG_MAX_REGISTERS = 512, SG_MAX_CODE = 20000, SG_MAX_REPEAT = 1000000 };
+/* In one rule: draws are found by their names one by one, tied successors compared with each other, and the work for drawn
+ * sizes grows with the cube of their number. */
+enum { SG_MAX_DRAWS = 1000, SG_MAX_TIED = 5000, SG_MAX_SIZES = 1000 };
 
 #define SG_OPERAND(space, index) (((sg_operand)(space) << 30) | (sg_operand)(index))
 #define SG_OPERAND_SPACE(o) ((o) >> 30)

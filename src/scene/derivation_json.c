@@ -3,51 +3,37 @@
  * tree of its values would be written by recursion, and derivations may be deeper than a C stack. */
 #include "scene/derivation_json.h"
 
+#include "scene/json_node.h"
 #include "scene/placer.h"
-
-#include <jansson.h>
 
 /* A closing bracket on the stack of places. */
 #define CLOSE SIZE_MAX
 
-/* Print a value and let it go. */
-static sg_status print_value(json_t *v, FILE *out, sg_error *err)
+static sg_status print_rect(sg_rect r, FILE *out, sg_error *err)
 {
-    if (v == NULL)
-        return SG_FAIL_NOMEM(err);
-    const int failed = json_dumpf(v, out, JSON_ENCODE_ANY | JSON_COMPACT);
-    json_decref(v);
-    return failed == 0 ? SG_OK : SG_FAIL(err, SG_EIO, "writing a derivation failed");
+    fputs(",\"rect\":", out);
+    return sg_json_numbers((const double[]){r.x0, r.y0, r.x1, r.y1}, 4, out, err);
 }
 
-static json_t *numbers(const double *x, size_t n)
+static sg_status print_label(const sg_derivation *d, sg_sym label, FILE *out, sg_error *err)
 {
-    json_t *list = json_array();
-    for (size_t i = 0; list != NULL && i < n; i++) {
-        if (json_array_append_new(list, json_real(x[i])) != 0) {
-            json_decref(list);
-            return NULL;
-        }
-    }
-    return list;
+    fputs("\"label\":", out);
+    return sg_json_name(sg_grammar_symbol(d->grammar, label)->name, out, err);
 }
 
 static sg_status print_node(const sg_derivation *d, size_t node, sg_rect r, const sg_placer *p, sg_sym label, FILE *out,
                             sg_error *err)
 {
-    const sg_node *n = d->nodes + node;
-    fprintf(out, "{\"rule\":%u,\"symbol\":", (unsigned)n->rule);
-    SG_TRY(print_value(json_string(sg_grammar_symbol(d->grammar, n->symbol)->name), out, err));
-    fputs(",\"rect\":", out);
-    SG_TRY(print_value(numbers((const double[]){r.x0, r.y0, r.x1, r.y1}, 4), out, err));
+    SG_TRY(sg_json_node_begin(d, node, out, err));
+    SG_TRY(print_rect(r, out, err));
     fputs(",\"sizes\":", out);
-    SG_TRY(print_value(numbers(p->sizes, p->nsizes), out, err));
+    SG_TRY(sg_json_numbers(p->sizes, p->nsizes, out, err));
     if (label != SG_NONE) {
-        fputs(",\"label\":", out);
-        SG_TRY(print_value(json_string(sg_grammar_symbol(d->grammar, label)->name), out, err));
+        fputs(",", out);
+        SG_TRY(print_label(d, label, out, err));
     }
-    fputs(",\"children\":[", out);
-    return SG_OK;
+    fprintf(out, ",\"node\":%zu", node); /* children do not stand in the order of nodes, and tied ones come again */
+    return sg_json_node_end(d, node, out, err);
 }
 
 /* A node: its own fields are written, its closing bracket and then its children stand on the stack. */
@@ -67,13 +53,11 @@ static sg_status open_node(sg_placer *p, const sg_derivation *d, size_t node, sg
 }
 
 /* A label that stands in a split without a symbol of its own. */
-static sg_status print_label(const sg_grammar *g, const sg_place *place, FILE *out, sg_error *err)
+static sg_status print_lone_label(const sg_derivation *d, const sg_place *place, FILE *out, sg_error *err)
 {
-    fputs("{\"label\":", out);
-    SG_TRY(print_value(json_string(sg_grammar_symbol(g, place->label)->name), out, err));
-    fputs(",\"rect\":", out);
-    const sg_rect r = place->rect;
-    SG_TRY(print_value(numbers((const double[]){r.x0, r.y0, r.x1, r.y1}, 4), out, err));
+    fputs("{", out);
+    SG_TRY(print_label(d, place->label, out, err));
+    SG_TRY(print_rect(place->rect, out, err));
     fputs("}", out);
     return SG_OK;
 }
@@ -93,7 +77,7 @@ static sg_status walk(sg_placer *p, const sg_derivation *d, sg_rect scope, FILE 
             fputs(",", out);
         const size_t before = p->n;
         if (top.label != SG_NONE)
-            SG_TRY(print_label(d->grammar, &top, out, err));
+            SG_TRY(print_lone_label(d, &top, out, err));
         else
             SG_TRY(open_node(p, d, top.node, top.rect, out, err));
         first = p->n > before; /* its children follow */

@@ -100,6 +100,14 @@ says err '5 of 7 photographs'
 diff -r out1 some >diff.out || fail "the good ones are not done as they were"
 if grep -q 'cut.jpg' some.json; then fail "a bad photograph among the done ones"; fi
 
+# The coded data ends early, but the file says that it is whole: only we speak of it
+(head -c 3000 photos/facade003.jpg && printf '\377\331') >photos/closed.jpg
+expect 3 "$apply" f.rf photos/closed.jpg photos/facade003.jpg -o closed --quiet
+says err '^apply-unaries: photos/closed.jpg: a damaged JPEG file: '
+[ "$(wc -l <err)" -eq 2 ] || fail "somebody else speaks too"
+same closed/facade003.npy out1/facade003.npy
+absent closed/closed.npy
+
 # Odd ones: one pixel, grey, palette, 16 bits, alpha, CMYK
 if command -v python3 >/dev/null; then
     expect 0 python3 -c 'import struct, zlib

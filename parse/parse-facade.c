@@ -626,10 +626,10 @@ static bool stop_photo(sg_progress *self)
     return sg_progress_stopped(&j->bar);
 }
 
-/* What the next photographs would meet too. */
+/* What the next photographs would meet too; memory that does not suffice for one may for others. */
 static bool is_fatal(sg_status st)
 {
-    return st == SG_EIO || st == SG_ENOMEM || st == SG_STOPPED;
+    return st == SG_EIO || st == SG_STOPPED;
 }
 
 static void process_all(job *j)

@@ -130,6 +130,28 @@ png("photos/wide.png", 32768, 32768, 8, 2, b"")'
     [ -e odd2/pixel.npy ] || fail "the good one is not done"
 fi
 
+# One that memory does not suffice for, one whose results can have no name: the others are done
+long=$(printf '%0254d' 7)
+cp photos/facade004.jpg "photos/$long"
+expect 3 "$apply" f.rf "photos/$long" photos/facade003.jpg -o longer
+says err 'the name is too long'
+same longer/facade003.npy out1/facade003.npy
+if [ -e photos/huge.png ] && (ulimit -v 1000000 && "$apply" --version) >out 2>&1; then
+    expect 0 python3 -c 'import struct, zlib
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+open("photos/poster.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 7000, 7000, 8, 0, 0, 0, 0))
+    + chunk(b"IDAT", zlib.compress(bytes(7001 * 7000), 1)) + chunk(b"IEND", b""))'
+    (ulimit -v 1000000 && exec "$apply" f.rf photos/poster.png photos/text.jpg photos/facade003.jpg -o poster --threads 2 \
+        --json poster.json) >out 2>err
+    [ $? -eq 4 ] || fail "too little memory is no failure of the system"
+    says err 'photos/poster.png: there is not enough memory'
+    says err 'photos/text.jpg: '
+    says err '2 of 3 photographs'
+    same poster/facade003.npy out1/facade003.npy
+    says poster.json facade003
+fi
+
 # The system fails
 touch file
 expect 4 "$apply" f.rf photos/facade003.jpg -o file

@@ -144,6 +144,26 @@ says err '3 of 5 photographs were not parsed'
 for file in res/*; do same "$file" "batch/${file#res/}"; done
 [ "$(ls batch | wc -l)" = 15 ] || fail "a bad photograph left something: $(ls batch)"
 holds batch.json "[r['energy'] is None for r in d] == [False, True, True, True, False] and 'truncated' in d[1]['error']"
+# one whose results can have no name, one that memory does not suffice for
+long=$(printf '%0245d' 7)
+cp set/images/f-0005.png "photos/$long.png"
+# shellcheck disable=SC2086
+expect 3 parse-facade g.sg -u f.rf "photos/$long.png" set/images/f-0005.png -o long $quick
+says err 'the name is too long for its results'
+for file in alone/*; do same "$file" "long/${file#alone/}"; done
+if $have_python && (ulimit -v 1000000 && parse-facade --version) >out 2>&1; then
+    expect 0 python3 -c 'import struct, zlib
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+open("photos/poster.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 7000, 7000, 8, 0, 0, 0, 0))
+    + chunk(b"IDAT", zlib.compress(bytes(7001 * 7000), 1)) + chunk(b"IEND", b""))'
+    # shellcheck disable=SC2086
+    (ulimit -v 1000000 && exec parse-facade g.sg -u f.rf photos/poster.png photos/text.jpg set/images/f-0005.png -o poster $quick --threads 2) >out 2>err
+    [ $? = 4 ] || fail 'too little memory is no failure of the system'
+    says err 'photos/poster.png: there is not enough memory'
+    says err '1 of 3 photographs were parsed'
+    for file in alone/*; do same "$file" "poster/${file#alone/}"; done
+fi
 # every kind of bad input
 cp -r npy bad; head -c 1000 npy/f-0001.npy >bad/f-0001.npy; cp npy/f-0002.npy bad/wide.npy; cp set/labels/f-0003.png bad/f-0003.npy
 # shellcheck disable=SC2086

@@ -191,6 +191,14 @@ bool sg_file_same(const char *a, const char *b)
     return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
+bool sg_file_name_fits(const char *folder, const char *name, const char *ending)
+{
+    const long most = pathconf(folder, _PC_NAME_MAX);
+    const size_t n = strlen(name) + strlen(ending);
+    const sg_output *out = NULL;
+    return (most < 0 || n <= (size_t)most) && strlen(folder) + 1 + n < sizeof out->path;
+}
+
 bool sg_file_exists(const char *path)
 {
     struct stat st;

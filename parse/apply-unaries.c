@@ -134,13 +134,15 @@ static const char *output_path(const job *j, const char *name, const char *endin
     return sg_arena_printf(arena, "%s/%s%s", j->opts->output, name, ending);
 }
 
-/* No output may be a file that is read. */
+/* No output may be a file that is read, or the machine-readable result. */
 static sg_status spare(const job *j, const char *output, sg_error *err)
 {
     const char *const classifier[] = {j->opts->classifier};
     if (output == NULL)
         return SG_FAIL_NOMEM(err);
     SG_TRY(sg_program_spare(output, classifier, 1, err));
+    if (output != j->opts->common.json)
+        SG_TRY(sg_program_apart(j->opts->common.json, &output, 1, err));
     return sg_program_spare(output, (const char *const *)j->opts->images, j->opts->nimages, err);
 }
 

@@ -492,8 +492,6 @@ static sg_status spare_inputs(const job *j, sg_error *err)
         inputs[nin++] = p->probabilities;
         inputs[nin++] = p->truth;
     }
-    if (o->common.json != NULL && strcmp(o->common.json, "-") != 0)
-        outputs[nout++] = o->common.json;
     if (!shares_table(j) && (outputs[nout++] = output_path(j, "classes", ".tsv")) == NULL)
         return SG_FAIL_NOMEM(err);
     const char *const shared[] = {o->grammar, o->classifier, o->truth_table, o->dataset.names_file,
@@ -501,6 +499,9 @@ static sg_status spare_inputs(const job *j, sg_error *err)
                                   sg_arena_printf(j->arena, "%s/classes.tsv", o->truth != NULL ? o->truth : ".")};
     for (size_t k = 0; k < sizeof shared / sizeof shared[0]; k++)
         inputs[nin++] = shared[k];
+    SG_TRY(sg_program_apart(o->common.json, outputs, nout, err));
+    if (o->common.json != NULL && strcmp(o->common.json, "-") != 0)
+        outputs[nout++] = o->common.json;
     return sg_facade_spare_files(outputs, nout, inputs, nin, err);
 }
 

@@ -57,6 +57,16 @@ cp photos/grey.png kept.png
 expect 2 "$apply" f.rf photos/grey.png -o photos
 says err 'this is read'
 same photos/grey.png kept.png
+for json in x/facade003.npy ./x//facade003.png photos/../x/./classes.tsv; do
+    expect 2 "$apply" f.rf photos/facade003.jpg -o x --json $json
+    says err 'two results would be this file'
+done
+absent x
+cp -r out1 link-to
+ln -s link-to link
+expect 2 "$apply" f.rf photos/facade003.jpg -o link --json link-to/facade003.npy
+expect 2 "$apply" f.rf photos/facade003.jpg -o link-to --json link/facade003.png
+diff -r out1 link-to >diff.out || fail "something was written"
 expect 2 "$apply" f.rf photos/facade003.jpg -o x --json photos/facade003.jpg
 expect 2 "$apply" f.rf photos/facade003.jpg -o x --json f.rf
 mkdir table

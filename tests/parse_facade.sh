@@ -258,6 +258,11 @@ cp npy/f-0005.npy npy/f-0005.overlay.npy
 expect 2 parse-facade g.sg -p npy f-0005 f-0005.overlay -o y
 says err 'y/f-0005.overlay.png: two results would be this file'
 expect 2 parse-facade g.sg -p npy f-0005 -o y --json npy/classes.tsv
+for json in fresh/f-0005.json ./fresh/f-0005.trace.tsv npy/../fresh//classes.tsv; do
+    expect 2 parse-facade g.sg -p npy f-0005 -o fresh --json $json
+    says err 'two results would be this file'
+done
+absent fresh
 
 # ---- signals ----
 parse-facade g.sg -u f.rf set -o stopped --iterations 1000000000 --runs 2 --chains 2 --quiet --json stopped.json >out 2>err &

@@ -300,6 +300,14 @@ static sg_status write_json(const job *j, sg_error *err)
     return st;
 }
 
+static bool has_result(const job *j)
+{
+    for (size_t i = 0; i < j->opts->nimages; i++)
+        if (j->results[i].done)
+            return true;
+    return false;
+}
+
 static sg_status apply_and_report(job *j, sg_error *err)
 {
     SG_TRY(sg_folder_create(j->opts->output, err));
@@ -351,6 +359,11 @@ int main(int argc, char **argv)
         return code;
     job j = {.opts = &o, .arena = sg_arena_create(), .progress = sg_program_progress(&o.common)};
     const sg_status st = j.arena != NULL ? run(&j, &err) : SG_FAIL_NOMEM(&err);
+    const bool nothing = st == SG_STOPPED && !has_result(&j);
     sg_arena_free(j.arena);
+    if (nothing) {
+        sg_program_complain("stopped before a photograph was done");
+        return sg_exit_code(st);
+    }
     return sg_program_end(st, &err);
 }

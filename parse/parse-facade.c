@@ -454,6 +454,7 @@ static sg_status list_photos(job *j, sg_error *err)
     const options *o = j->opts;
     sg_dataset_opts dataset = o->dataset;
     dataset.classes_file = o->truth_table;
+    dataset.one_image = true;
     const sg_facade_photo_opts opts = {o->probabilities, o->truth, &dataset};
     SG_TRY(sg_facade_photos_list(o->images, o->nimages, &opts, j->arena, tell_fault, NULL, &j->photos, err));
     if (j->photos.ndatasets == 0 && o->dataset_opts_given)
@@ -486,7 +487,7 @@ static sg_status spare_inputs(const job *j, sg_error *err)
     for (size_t i = 0; i < n; i++) {
         const sg_facade_photo *p = &j->photos.items[i];
         for (int k = 0; k < SG_FACADE_FORMATS; k++)
-            if ((o->formats >> k & 1) && (outputs[nout++] = output_path(j, p->name, sg_facade_format_ending(k))) == NULL)
+            if (((o->formats | SG_FACADE_OWN) >> k & 1) && (outputs[nout++] = output_path(j, p->name, sg_facade_format_ending(k))) == NULL)
                 return SG_FAIL_NOMEM(err);
         inputs[nin++] = p->image;
         inputs[nin++] = p->probabilities;
@@ -578,7 +579,7 @@ static void print_outcome(const job *j, const sg_facade_photo *p, const sg_facad
         print_share(best->accuracy);
     }
     printf(" %8.2f", o->seconds);
-    if (o->searched)
+    if (o->searched && o->search_seconds > 0)
         printf(" %9.0f\n", (double)o->moves / o->search_seconds);
     else
         printf(" %9s\n", "-");
@@ -605,6 +606,8 @@ static sg_status print_scores(const job *j, sg_error *err)
         }
     SG_TRY(sg_scores_of(&map, j->arena, &of_map, err));
     SG_TRY(sg_scores_of(&found, j->arena, &of_found, err));
+    if (isnan(of_found.overall)) /* no pixel has a truth */
+        return SG_OK;
     printf("all %zu: accuracy %.2f%% (MAP %.2f%%), class average %.2f%% (MAP %.2f%%)\n", found.nmaps, 100 * of_found.overall,
            100 * of_map.overall, 100 * of_found.class_average, 100 * of_map.class_average);
     return SG_OK;
@@ -642,7 +645,7 @@ static void process_all(job *j)
         sg_program_progress_end();
         if (st != SG_OK && st != SG_STOPPED)
             sg_program_complain("%s", o->error.msg);
-        else if (shows_table(j))
+        else if (shows_table(j) && o->stages[o->best].done)
             print_outcome(j, photo, o);
         if (is_fatal(st)) {
             j->ndone++;
@@ -680,6 +683,14 @@ static int rank(sg_status st)
     default:
         return 1;
     }
+}
+
+static bool has_result(const job *j)
+{
+    for (size_t i = 0; i < j->ndone; i++)
+        if (j->outcomes[i].stages[j->outcomes[i].best].done)
+            return true;
+    return false;
 }
 
 /* The worst that befell a photograph; each has been named already. */
@@ -755,10 +766,15 @@ int main(int argc, char **argv)
     job j = {.opts = &o, .arena = sg_arena_create(), .bar = sg_program_progress(&o.common)};
     j.progress = (sg_progress){j.bar.report != NULL ? report_photo : NULL, stop_photo, &j};
     const sg_status st = j.arena != NULL ? run(&j, &err) : SG_FAIL_NOMEM(&err);
+    const bool nothing = st == SG_STOPPED && !has_result(&j);
     sg_pixel_classifier_free(j.classifier);
     sg_classes_clear(&j.own_classes);
     sg_classes_clear(&j.truth_classes);
     sg_grammar_free(j.g);
     sg_arena_free(j.arena);
+    if (nothing) {
+        sg_program_complain("stopped before a photograph was parsed");
+        return sg_exit_code(st);
+    }
     return sg_program_end(st, &err);
 }

@@ -130,6 +130,38 @@ for method in ga smc sosmc; do
     says err "$method is not there yet; there are mcmc and exact"
 done
 
+# what an earlier parse of the same name left and this one does not make goes; nothing else does
+cp -r res old
+echo mine >old/f-0005.txt
+expect 0 parse-facade g.sg -p npy f-0005 -o old --method exact --formats labels
+[ "$(cd old && echo f-0005*)" = 'f-0005.json f-0005.png f-0005.txt' ] || fail "beside a new parse: $(ls old)"
+same old/f-0006.lines.tsv res/f-0006.lines.tsv
+cp set/images/f-0005.png old/f-0005.overlay.png
+expect 2 parse-facade g.sg -u f.rf set/images/f-0005.png old/f-0005.overlay.png -o old --formats derivation
+same old/f-0005.overlay.png set/images/f-0005.png
+
+# a data set with a photograph that has no label map, one that is there twice, a label map at fault
+cp -r set odd
+cp odd/images/f-0001.png odd/images/extra.png
+expect 0 parse-facade g.sg -u f.rf odd -o odd.out --method exact --formats labels
+[ "$(grep -c 'note: odd/images: left out, since there is no label map: extra.png$' err)" = 1 ] || fail 'an unlabelled photograph is not named'
+absent odd.out/extra.png
+cp odd/images/f-0001.png odd/images/f-0001.jpg
+expect 3 parse-facade g.sg -u f.rf odd -o odd2.out --method exact
+says err 'odd/images/f-0001.png: there is odd/images/f-0001.jpg too'
+rm odd/images/f-0001.jpg
+head -c 60 set/labels/f-0002.png >odd/labels/f-0002.png
+expect 3 parse-facade g.sg -u f.rf odd -o odd2.out --method exact
+says err 'odd/labels/f-0002.png: '
+absent odd2.out
+
+# nothing to score, nothing to say
+sed 's/^\([0-9]*\)	[^	]*/\1	ignore/' set/classes.tsv >none.tsv
+printf '99\twall\t#ffffff\n' >>none.tsv
+expect 0 parse-facade g.sg -p npy f-0005 -o none --method exact --truth set/labels --classes none.tsv
+if grep -q nan out; then fail 'a number that is none'; fi
+if grep -q '^all' out; then fail 'a score of nothing'; fi
+
 # ---- a batch with bad photographs: the others are parsed as if alone ----
 mkdir photos
 cp set/images/*.png photos
@@ -275,6 +307,19 @@ wait $pid
 [ -s stopped/f-0001.png ] && [ -s stopped/f-0001.json ] || fail 'the best so far was not written'
 absent stopped/f-0002.png
 holds stopped.json "len(d) == 1 and d[0]['stopped'] and d[0]['energy'] < 1e6"
+# before anything is parsed
+mkfifo pipe
+parse-facade g.sg -u f.rf pipe set/images/f-0005.png -o early --quiet >out 2>err &
+pid=$!
+for _ in $(seq 100); do [ -e early/classes.tsv ] && break; sleep 0.1; done
+kill -INT $pid
+echo nothing >pipe & # is opened twice: for what it is, and to be read
+sleep 1
+kill -0 $pid 2>/dev/null && timeout 10 sh -c 'echo nothing >pipe'
+wait $pid
+[ $? = 5 ] || fail 'an early interrupt does not end with 5'
+says err 'stopped before a photograph was parsed'
+if grep -q 'is written' err; then fail 'nothing was written'; fi
 # killed at any moment: what is there is whole
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -u f.rf set -o whole $quick

@@ -174,12 +174,10 @@ static bool take_share(const char *arg, sg_kernel_opts *kernel)
 
 static bool take_method(const char *arg, options *o)
 {
-    static const char *const methods[] = {"mcmc", "exact", "ga", "smc", "sosmc", NULL};
+    static const char *const methods[] = {"mcmc", "exact", NULL};
     int which;
     if (!sg_program_choice("--method", arg, methods, &which))
         return false;
-    if (which > 1)
-        return sg_program_usage("--method: %s is not there yet; there are mcmc and exact", arg), false;
     o->facade.stages[SG_FACADE_EXACT] = which == 1;
     o->facade.stages[SG_FACADE_SEARCH] = which == 0;
     return true;
@@ -305,6 +303,14 @@ static bool take_own(int opt, const char *arg, void *user)
     }
 }
 
+static bool has_a_share(const sg_kernel_opts *kernel)
+{
+    for (int k = 0; k < SG_MOVE_KINDS; k++)
+        if (kernel->share[k] > 0)
+            return true;
+    return false;
+}
+
 /* What is asked for twice, or of nothing. */
 static int check_args(const options *o)
 {
@@ -320,6 +326,8 @@ static int check_args(const options *o)
         return sg_program_usage("--start belongs to --method mcmc");
     if (o->gap && o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT])
         return sg_program_usage("--gap begins at both; --start is not needed");
+    if (!has_a_share(&o->facade.search.kernel))
+        return sg_program_usage("--share: every kind of moves has a share of 0, so there is none to make");
     return -1;
 }
 

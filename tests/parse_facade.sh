@@ -125,9 +125,9 @@ holds gap.json "d[0]['stages']['mcmc_from_exact']['energy'] <= d[0]['stages']['e
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -p npy f-0005 -o start --start exact $quick --json start.json
 holds start.json "sorted(d[0]['stages']) == ['exact', 'mcmc_from_exact']"
-for method in ga smc sosmc; do
+for method in ga smc sosmc foo; do
     expect 2 parse-facade g.sg -p npy f-0005 -o y --method $method
-    says err "$method is not there yet; there are mcmc and exact"
+    says err "'$method' is none of mcmc, exact$"
 done
 
 # what an earlier parse of the same name left and this one does not make goes; nothing else does
@@ -262,6 +262,8 @@ expect 2 parse-facade g.sg -u f.rf $image -o y --method exact --start exact
 expect 2 parse-facade g.sg -u f.rf $image -o y --formats labels,sound
 expect 2 parse-facade g.sg -u f.rf $image -o y --share turn=1
 expect 2 parse-facade g.sg -u f.rf $image -o y --share shift
+expect 2 parse-facade g.sg -u f.rf $image -o y --share jump-fresh=0 --share jump-copy=0 --share resample=0 --share reflect=0 \
+    --share shift=0 --share switch=0
 expect 2 parse-facade g.sg -u f.rf $image -o y --hard=0.1
 expect 2 parse-facade g.sg -u f.rf $image -o y --hard=1
 expect 2 parse-facade g.sg -u f.rf $image -o y --floor 0.5

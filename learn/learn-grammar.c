@@ -277,7 +277,7 @@ static bool set_option(int opt, const char *arg, void *user)
 
 static bool is_one_file(const char *a, const char *b)
 {
-    return a != NULL && b != NULL && strcmp(a, b) == 0;
+    return a != NULL && b != NULL && sg_file_same_place(a, b);
 }
 
 static bool is_stdout(const char *path)
@@ -326,8 +326,23 @@ static sg_status try_output(const char *path, sg_error *err)
     return SG_OK;
 }
 
+/* None of them is a page of the report. */
+static sg_status spare_report(const options *o, sg_error *err)
+{
+    char index[4096], drawing[4096];
+    const char *const pages[] = {index, drawing};
+    if (o->report == NULL)
+        return SG_OK;
+    snprintf(index, sizeof index, "%s/index.html", o->report); /* a cut one fails when it is written */
+    snprintf(drawing, sizeof drawing, "%s/grammar.svg", o->report);
+    SG_TRY(sg_program_apart(o->output, pages, 2, err));
+    SG_TRY(sg_program_apart(o->initial, pages, 2, err));
+    return sg_program_apart(o->common.json, pages, 2, err);
+}
+
 static sg_status try_outputs(const options *o, sg_error *err)
 {
+    SG_TRY(spare_report(o, err));
     SG_TRY(try_output(o->output, err));
     SG_TRY(try_output(o->initial, err));
     SG_TRY(try_output(o->common.json, err));

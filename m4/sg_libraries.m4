@@ -20,6 +20,8 @@ AC_DEFUN([SG_LIB_LAPACKE], [
 
 AC_DEFUN([SG_LIB_PNG], [PKG_CHECK_MODULES([PNG], [libpng >= 1.6], [], [SG_NEED([libpng], [libpng-dev])])])
 
+AC_DEFUN([SG_LIB_JPEG], [PKG_CHECK_MODULES([JPEG], [libjpeg >= 1.5], [], [SG_NEED([libjpeg], [libjpeg-dev])])])
+
 AC_DEFUN([SG_LIB_ZLIB], [PKG_CHECK_MODULES([ZLIB], [zlib], [], [SG_NEED([zlib], [zlib1g-dev])])])
 
 AC_DEFUN([SG_LIB_JANSSON], [PKG_CHECK_MODULES([JANSSON], [jansson >= 2.10], [], [SG_NEED([jansson], [libjansson-dev])])])

@@ -53,7 +53,7 @@ typedef struct {
     int workers, threads; /* photographs at a time, and threads for each */
     sg_progress progress;
     size_t ndone;
-    bool stopped, broken; /* by a signal; by a failure that the other photographs would meet too */
+    bool stopped, broken; /* by a signal; because results cannot be written */
 } job;
 
 static const struct option LONG_OPTIONS[] = {
@@ -134,13 +134,15 @@ static const char *output_path(const job *j, const char *name, const char *endin
     return sg_arena_printf(arena, "%s/%s%s", j->opts->output, name, ending);
 }
 
-/* No output may be a file that is read. */
+/* No output may be a file that is read, or the machine-readable result. */
 static sg_status spare(const job *j, const char *output, sg_error *err)
 {
     const char *const classifier[] = {j->opts->classifier};
     if (output == NULL)
         return SG_FAIL_NOMEM(err);
     SG_TRY(sg_program_spare(output, classifier, 1, err));
+    if (output != j->opts->common.json)
+        SG_TRY(sg_program_apart(j->opts->common.json, &output, 1, err));
     return sg_program_spare(output, (const char *const *)j->opts->images, j->opts->nimages, err);
 }
 
@@ -187,6 +189,8 @@ static sg_status write_result(const job *j, const char *name, const sg_float_map
 static sg_status apply_one(const job *j, size_t i, sg_error *err)
 {
     result *r = &j->results[i];
+    if (!sg_file_name_fits(j->opts->output, r->name, ".npy"))
+        return SG_FAIL(err, SG_EINPUT, "%.700s: the name is too long for its results", j->opts->images[i]);
     sg_image photo;
     sg_float_map p = {0};
     sg_error inner = SG_ERROR_INIT;
@@ -223,33 +227,50 @@ static void apply_all(job *j)
 #pragma omp critical(apply_unaries)
         {
             j->results[i].status = st;
-            j->broken = j->broken || (st != SG_OK && st != SG_EINPUT);
+            j->broken = j->broken || st == SG_EIO;
             sg_progress_report(&j->progress, "photographs", ++j->ndone, n);
         }
     }
 }
 
+/* What memory did not suffice for beside the others may find enough alone. */
+static void apply_again(job *j)
+{
+    for (size_t i = 0; i < j->opts->nimages && !j->broken && !sg_progress_stopped(&j->progress); i++) {
+        result *r = &j->results[i];
+        if (r->status != SG_ENOMEM)
+            continue;
+        r->status = apply_one(j, i, &r->error);
+        j->broken = r->status == SG_EIO;
+        if (r->status == SG_ENOMEM)
+            SG_FAIL(&r->error, SG_ENOMEM, "%.900s: there is not enough memory for it", j->opts->images[i]);
+    }
+}
+
 /* ---- all of them ---- */
 
-/* Bad photographs are named; a failure of the system is returned as it is, whatever else there was. */
+/* Photographs that could not be used are named; results that could not be written are returned as they are. */
 static sg_status conclude(const job *j, sg_error *err)
 {
     size_t nbad = 0;
+    sg_status worst = SG_EINPUT;
+    const result *unwritten = NULL;
     for (size_t i = 0; i < j->opts->nimages; i++) {
         const result *r = &j->results[i];
-        if (r->status == SG_EINPUT)
+        if (r->status == SG_EIO)
+            unwritten = unwritten != NULL ? unwritten : r;
+        else if (r->status != SG_OK && ++nbad > 0)
             sg_program_complain("%s", r->error.msg);
-        nbad += r->status == SG_EINPUT;
+        worst = r->status == SG_ENOMEM ? SG_ENOMEM : worst;
     }
-    for (size_t i = 0; i < j->opts->nimages; i++)
-        if (j->results[i].status != SG_OK && j->results[i].status != SG_EINPUT) {
-            *err = j->results[i].error;
-            return j->results[i].status;
-        }
-    if (j->stopped)
+    if (unwritten != NULL) {
+        *err = unwritten->error;
+        return SG_EIO;
+    }
+    if (j->stopped && worst != SG_ENOMEM)
         return SG_FAIL(err, SG_STOPPED, "stopped");
     if (nbad > 0)
-        return SG_FAIL(err, SG_EINPUT, "%zu of %zu photographs could not be used", nbad, j->opts->nimages);
+        return SG_FAIL(err, worst, "%zu of %zu photographs could not be used", nbad, j->opts->nimages);
     return SG_OK;
 }
 
@@ -279,6 +300,14 @@ static sg_status write_json(const job *j, sg_error *err)
     return st;
 }
 
+static bool has_result(const job *j)
+{
+    for (size_t i = 0; i < j->opts->nimages; i++)
+        if (j->results[i].done)
+            return true;
+    return false;
+}
+
 static sg_status apply_and_report(job *j, sg_error *err)
 {
     SG_TRY(sg_folder_create(j->opts->output, err));
@@ -286,9 +315,10 @@ static sg_status apply_and_report(job *j, sg_error *err)
     SG_TRY(table != NULL ? sg_classes_write(table, sg_pixel_classifier_classes(j->classifier), err)
                          : SG_FAIL_NOMEM(err));
     apply_all(j);
+    apply_again(j);
     sg_program_progress_end();
     const sg_status st = conclude(j, err);
-    if (j->opts->common.json != NULL && (st == SG_OK || st == SG_EINPUT || st == SG_STOPPED)) {
+    if (j->opts->common.json != NULL && st != SG_EIO) {
         sg_error inner = SG_ERROR_INIT;
         const sg_status written = write_json(j, &inner);
         if (written != SG_OK) {
@@ -329,6 +359,11 @@ int main(int argc, char **argv)
         return code;
     job j = {.opts = &o, .arena = sg_arena_create(), .progress = sg_program_progress(&o.common)};
     const sg_status st = j.arena != NULL ? run(&j, &err) : SG_FAIL_NOMEM(&err);
+    const bool nothing = st == SG_STOPPED && !has_result(&j);
     sg_arena_free(j.arena);
+    if (nothing) {
+        sg_program_complain("stopped before a photograph was done");
+        return sg_exit_code(st);
+    }
     return sg_program_end(st, &err);
 }

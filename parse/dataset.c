@@ -125,7 +125,7 @@ static sg_status find_image(sg_dataset_check *c, const char *name, const char **
             continue;
         if (*out == NULL)
             *out = path;
-        else if (c->opts->need_images)
+        else if (c->opts->need_images || c->opts->one_image)
             sg_dataset_fault(c, "%s: there is %s too", path, *out);
     }
     if (*out == NULL && c->opts->need_images)

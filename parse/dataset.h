@@ -34,10 +34,11 @@ typedef struct {
     sg_dataset_part part;     /* which part of the fold */
     size_t max_images;        /* 0: no limit; the first ones count */
     bool need_images;         /* photographs are needed too, and whole; one of another size is a fault either way */
+    bool one_image;           /* two photographs of one name are a fault, as they are with need_images */
     bool may_be_empty;        /* a list without a name of the part is no fault */
 } sg_dataset_opts;
 
-#define SG_DATASET_OPTS_INIT {NULL, NULL, 0, SG_SPLIT_TRAIN, 0, false, false}
+#define SG_DATASET_OPTS_INIT {NULL, NULL, 0, SG_SPLIT_TRAIN, 0, false, false, false}
 
 /** Open a data set and check all that was asked for: every chosen file is there, readable, of equal sizes, with labels
  *  from the class table only. Faults go to `fault` one by one, each naming its file; then the call fails with a count.

@@ -116,7 +116,7 @@ json_t *sg_facade_outcome_json(const sg_facade_photo *photo, const sg_facade_out
 {
     json_t *o = with(json_object(), "image", json_string(photo->image != NULL ? photo->image : photo->name));
     o = with(o, "name", json_string(photo->name));
-    if (out->status != SG_OK && out->status != SG_STOPPED)
+    if (!out->stages[out->best].done || (out->status != SG_OK && out->status != SG_STOPPED))
         return failure(o, out);
     const sg_facade_stage_outcome *best = &out->stages[out->best];
     o = with(o, "method", json_string(sg_facade_stage_name(out->best)));
@@ -126,7 +126,7 @@ json_t *sg_facade_outcome_json(const sg_facade_photo *photo, const sg_facade_out
     o = with_energy(o, &best->energy);
     o = with(o, "seconds", number(out->seconds));
     o = with(o, "unary_seconds", number(out->unary_seconds));
-    o = with(o, "moves_per_second", number(out->searched ? (double)out->moves / out->search_seconds : NAN));
+    o = with(o, "moves_per_second", number(out->searched && out->search_seconds > 0 ? (double)out->moves / out->search_seconds : NAN));
     o = with(o, "accuracy", number(best->accuracy));
     if (out->scored)
         o = with(o, "map_accuracy", number(sg_confusion_accuracy(&out->map)));

@@ -8,8 +8,10 @@
 #include "scene/derivation_json.h"
 #include "scene/overlay.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct {
     const char *name, *ending;
@@ -158,21 +160,50 @@ static sg_status write_trace(const sg_facade_report *r, sg_error *err)
 
 /* ---- all ---- */
 
+/* What of the formats there is something to make from. */
+static unsigned makeable(const sg_facade_report *r, unsigned formats)
+{
+    if (r->photo == NULL)
+        formats &= ~(unsigned)SG_FACADE_OVERLAY;
+    if (!r->parse->searched)
+        formats &= ~(unsigned)SG_FACADE_TRACE;
+    if (r->parse->samples.nsamples == 0)
+        formats &= ~(unsigned)(SG_FACADE_MARGINALS | SG_FACADE_LINES | SG_FACADE_UNCERTAINTY);
+    return formats;
+}
+
+/* They would tell of another parse than the new ones beside them. */
+static sg_status remove_old(const sg_facade_report *r, unsigned which, sg_error *err)
+{
+    char path[SG_FACADE_PATH];
+    for (unsigned format = 1; format < SG_FACADE_ALL; format <<= 1) {
+        if (!(which & format))
+            continue;
+        SG_TRY(sg_facade_path(r, (sg_facade_format)format, path, err));
+        if (sg_file_exists(path) && unlink(path) != 0)
+            return SG_FAIL(err, SG_EIO, "%s: of an earlier parse, and cannot be removed: %s", path, strerror(errno));
+    }
+    return SG_OK;
+}
+
 sg_status sg_facade_write(const sg_facade_report *r, unsigned formats, sg_error *err)
 {
     sg_label_map map;
+    formats = makeable(r, formats);
     SG_TRY(sg_facade_label_map(r, &map, err));
     sg_status st = SG_OK;
     if (formats & SG_FACADE_LABELS)
         st = write_labels(r, &map, err);
-    if (st == SG_OK && (formats & SG_FACADE_OVERLAY) && r->photo != NULL)
+    if (st == SG_OK && (formats & SG_FACADE_OVERLAY))
         st = write_overlay(r, &map, err);
     sg_label_map_clear(&map);
     if (st == SG_OK && (formats & SG_FACADE_DERIVATION))
         st = write_derivation(r, err);
-    if (st == SG_OK && (formats & SG_FACADE_TRACE) && r->parse->searched)
+    if (st == SG_OK && (formats & SG_FACADE_TRACE))
         st = write_trace(r, err);
     if (st == SG_OK && r->parse->samples.nsamples > 0)
         st = sg_facade_write_uncertainty(r, formats, err);
+    if (st == SG_OK)
+        st = remove_old(r, SG_FACADE_OWN & ~formats, err);
     return st;
 }

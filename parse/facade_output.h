@@ -19,6 +19,7 @@ typedef enum {
     SG_FACADE_LINES = 32,       /* NAME.lines.tsv: how sure each boundary line is */
     SG_FACADE_UNCERTAINTY = 64, /* NAME.uncertainty.png: both as a picture */
     SG_FACADE_ALL = 127,
+    SG_FACADE_OWN = 2 + 8 + 16 + 32 + 64, /* endings that nobody else uses: an earlier run's are removed where none is made */
 } sg_facade_format;
 
 enum { SG_FACADE_FORMATS = 7 };
@@ -44,7 +45,7 @@ typedef struct {
 sg_status sg_facade_label_map(const sg_facade_report *r, sg_label_map *map, sg_error *err);
 
 /** Write what is asked for, each file beside its place and renamed. What is made from samples is left out where there are
- *  none. @return SG_OK, SG_EIO, SG_ENUMERIC, SG_ENOMEM */
+ *  none. Then those of SG_FACADE_OWN go that are of an earlier parse: files of one NAME belong together. @return SG_OK, SG_EIO, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_facade_write(const sg_facade_report *r, unsigned formats, sg_error *err);
 
 #endif

@@ -6,6 +6,7 @@
 #include "core/file.h"
 #include "parse/facade_photos.h"
 
+#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -68,11 +69,83 @@ static sg_status add_argument(list *l, const char *arg, sg_error *err)
 
 /* ---- data sets ---- */
 
+static int compare_strings(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static int compare_item(const void *name, const void *item)
+{
+    return strcmp(name, ((const sg_dataset_item *)item)->name);
+}
+
+static bool is_photo_name(const char *file)
+{
+    const char *dot = strrchr(file, '.');
+    return file[0] != '.' && dot != NULL && (strcmp(dot, ".jpg") == 0 || strcmp(dot, ".jpeg") == 0 || strcmp(dot, ".png") == 0);
+}
+
+/* Files in images/ whose names are not among the items; *names is malloc'd. */
+static sg_status find_unlabelled(list *l, DIR *dir, const sg_dataset *d, const char ***names, size_t *n, sg_error *err)
+{
+    size_t capacity = 0;
+    for (struct dirent *e = readdir(dir); e != NULL; e = readdir(dir)) {
+        const char *stem = is_photo_name(e->d_name) ? stem_of(e->d_name, l->arena) : "";
+        const char *file = stem != NULL ? sg_arena_string(l->arena, e->d_name) : NULL;
+        if (file == NULL)
+            return SG_FAIL_NOMEM(err);
+        if (stem[0] == '\0' || bsearch(stem, d->items, d->nitems, sizeof *d->items, compare_item) != NULL)
+            continue;
+        if (!SG_GROW(*names, capacity, *n + 1))
+            return SG_FAIL_NOMEM(err);
+        (*names)[(*n)++] = file;
+    }
+    return SG_OK;
+}
+
+static sg_status tell_unlabelled(const list *l, const char *folder, const char **names, size_t n, sg_error *err)
+{
+    enum { MOST = 8 };
+    const char *text = "";
+    qsort(names, n, sizeof *names, compare_strings);
+    for (size_t i = 0; i < n && i < MOST && text != NULL; i++)
+        text = sg_arena_printf(l->arena, "%s%s%s", text, i > 0 ? ", " : "", names[i]);
+    if (text != NULL && n > MOST)
+        text = sg_arena_printf(l->arena, "%s and %zu more", text, n - MOST);
+    if (text != NULL)
+        text = sg_arena_printf(l->arena, "note: %s/images: left out, since there is no label map: %s", folder, text);
+    if (text == NULL)
+        return SG_FAIL_NOMEM(err);
+    l->fault(l->user, text);
+    return SG_OK;
+}
+
+/* A whole data set is that of its label maps: who meant its photographs should know. */
+static sg_status note_unlabelled(list *l, const char *folder, const sg_dataset *d, sg_error *err)
+{
+    const char **names = NULL;
+    size_t n = 0;
+    if (l->fault == NULL || l->opts->dataset->fold != 0 || l->opts->dataset->names_file != NULL)
+        return SG_OK;
+    const char *images = sg_arena_printf(l->arena, "%s/images", folder);
+    if (images == NULL)
+        return SG_FAIL_NOMEM(err);
+    DIR *dir = opendir(images);
+    if (dir == NULL)
+        return SG_OK;
+    sg_status st = find_unlabelled(l, dir, d, &names, &n, err);
+    closedir(dir);
+    if (st == SG_OK && n > 0)
+        st = tell_unlabelled(l, folder, names, n, err);
+    free(names);
+    return st;
+}
+
 static sg_status add_dataset(list *l, const char *folder, sg_error *err)
 {
     sg_dataset d;
     SG_TRY(sg_dataset_open(folder, l->opts->dataset, l->arena, l->fault, l->user, &d, err));
-    sg_status st = SG_OK;
+    sg_status st = note_unlabelled(l, folder, &d, err);
     for (size_t i = 0; st == SG_OK && i < d.nitems; i++) {
         const sg_dataset_item *item = &d.items[i];
         const char *image = item->image;
@@ -177,11 +250,6 @@ static int compare_identities(const void *a, const void *b)
     if (x->device != y->device)
         return x->device < y->device ? -1 : 1;
     return x->inode < y->inode ? -1 : x->inode > y->inode;
-}
-
-static int compare_strings(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
 static sg_status refuse_equal(const char **sorted, const char *const *outputs, size_t n, sg_error *err)

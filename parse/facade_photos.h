@@ -33,7 +33,8 @@ typedef struct {
  *  their label maps for truth), or with opts->probabilities names of which there is NAME.npy only. Photographs are not looked at:
  *  one that is missing is found when its turn comes.
  *  @param arena  everything lives there
- *  @param fault  as for sg_dataset_open()
+ *  @param fault  as for sg_dataset_open(); is also told, in one sentence, which photographs of a data set have no label map and
+ *                are left out, which is no failure
  *  @return SG_OK, SG_EINVAL (no photograph; two of one name; a name that is none), SG_EINPUT (a faulty data set), SG_ENOMEM */
 sg_status sg_facade_photos_list(char *const *args, size_t nargs, const sg_facade_photo_opts *opts, sg_arena *arena,
                                 void (*fault)(void *user, const char *sentence), void *user, sg_facade_photos *out,

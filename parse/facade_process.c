@@ -4,6 +4,7 @@
 
 #include "parse/facade_process.h"
 
+#include "core/file.h"
 #include "image/cv_image.h"
 #include "image/png_io.h"
 #include "parse/unaries.h"
@@ -210,8 +211,18 @@ static sg_status parse(work *w, sg_progress *progress, sg_facade_outcome *out, s
     return st;
 }
 
+/* Each of its results can have its name. */
+static sg_status check_name(const work *w, sg_error *err)
+{
+    for (int k = 0; k < SG_FACADE_FORMATS; k++)
+        if ((w->setup->formats >> k & 1) && !sg_file_name_fits(w->setup->folder, w->photo->name, sg_facade_format_ending(k)))
+            return SG_FAIL(err, SG_EINPUT, "%.700s: the name is too long for its results", w->photo->name);
+    return SG_OK;
+}
+
 static sg_status process(work *w, sg_progress *progress, sg_facade_outcome *out, sg_arena *arena, sg_error *err)
 {
+    SG_TRY(check_name(w, err));
     SG_TRY(make_costs(w, out, err));
     if (w->photo->truth != NULL)
         SG_TRY(read_truth(w, err));
@@ -224,6 +235,9 @@ sg_status sg_facade_process(const sg_facade_setup *setup, const sg_facade_photo 
     work w = {.setup = setup, .photo = photo};
     memset(out, 0, sizeof *out);
     out->status = process(&w, progress, out, arena, &out->error);
+    if (out->status == SG_ENOMEM)
+        SG_FAIL(&out->error, SG_ENOMEM, "%.900s: there is not enough memory for it",
+                photo->image != NULL ? photo->image : photo->probabilities);
     sg_facade_parse_clear(&w.parse);
     sg_label_map_clear(&w.truth);
     sg_label_map_clear(&w.map);

@@ -134,7 +134,7 @@ static int check_usage(options *o, int nfolders)
         return sg_program_usage("expected a file for the classifier: -o FILE");
     if (is_stdout(o->output) && is_stdout(o->common.json))
         return sg_program_usage("only one result can go to standard output");
-    if (o->common.json != NULL && strcmp(o->output, o->common.json) == 0)
+    if (o->common.json != NULL && sg_file_same_place(o->output, o->common.json))
         return sg_program_usage("--output and --json need a file each");
     if (o->dataset.fold != 0 && o->dataset.names_file != NULL)
         return sg_program_usage("--fold and --names do not go together");

@@ -582,8 +582,11 @@ static sg_status spare_inputs(const job *j, sg_error *err)
         const sg_dataset_item *item = &j->dataset.items[i];
         const char *const read[] = {item->labels, item->image};
         const char *picture = sg_arena_printf(j->arena, "%s/%s.png", o->output, item->name);
-        if (picture == NULL)
+        const char *lattice = sg_arena_printf(j->arena, "%s/%s.lat", o->output, item->name);
+        if (picture == NULL || lattice == NULL)
             return SG_FAIL_NOMEM(err);
+        const char *const written[] = {lattice, o->pictures ? picture : NULL};
+        SG_TRY(sg_program_apart(o->common.json, written, 2, err));
         SG_TRY(sg_program_spare(o->common.json, read, 2, err));
         if (o->pictures)
             SG_TRY(sg_program_spare(picture, read, 2, err));

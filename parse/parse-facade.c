@@ -174,12 +174,10 @@ static bool take_share(const char *arg, sg_kernel_opts *kernel)
 
 static bool take_method(const char *arg, options *o)
 {
-    static const char *const methods[] = {"mcmc", "exact", "ga", "smc", "sosmc", NULL};
+    static const char *const methods[] = {"mcmc", "exact", NULL};
     int which;
     if (!sg_program_choice("--method", arg, methods, &which))
         return false;
-    if (which > 1)
-        return sg_program_usage("--method: %s is not there yet; there are mcmc and exact", arg), false;
     o->facade.stages[SG_FACADE_EXACT] = which == 1;
     o->facade.stages[SG_FACADE_SEARCH] = which == 0;
     return true;
@@ -305,6 +303,14 @@ static bool take_own(int opt, const char *arg, void *user)
     }
 }
 
+static bool has_a_share(const sg_kernel_opts *kernel)
+{
+    for (int k = 0; k < SG_MOVE_KINDS; k++)
+        if (kernel->share[k] > 0)
+            return true;
+    return false;
+}
+
 /* What is asked for twice, or of nothing. */
 static int check_args(const options *o)
 {
@@ -320,6 +326,8 @@ static int check_args(const options *o)
         return sg_program_usage("--start belongs to --method mcmc");
     if (o->gap && o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT])
         return sg_program_usage("--gap begins at both; --start is not needed");
+    if (!has_a_share(&o->facade.search.kernel))
+        return sg_program_usage("--share: every kind of moves has a share of 0, so there is none to make");
     return -1;
 }
 
@@ -454,6 +462,7 @@ static sg_status list_photos(job *j, sg_error *err)
     const options *o = j->opts;
     sg_dataset_opts dataset = o->dataset;
     dataset.classes_file = o->truth_table;
+    dataset.one_image = true;
     const sg_facade_photo_opts opts = {o->probabilities, o->truth, &dataset};
     SG_TRY(sg_facade_photos_list(o->images, o->nimages, &opts, j->arena, tell_fault, NULL, &j->photos, err));
     if (j->photos.ndatasets == 0 && o->dataset_opts_given)
@@ -486,14 +495,12 @@ static sg_status spare_inputs(const job *j, sg_error *err)
     for (size_t i = 0; i < n; i++) {
         const sg_facade_photo *p = &j->photos.items[i];
         for (int k = 0; k < SG_FACADE_FORMATS; k++)
-            if ((o->formats >> k & 1) && (outputs[nout++] = output_path(j, p->name, sg_facade_format_ending(k))) == NULL)
+            if (((o->formats | SG_FACADE_OWN) >> k & 1) && (outputs[nout++] = output_path(j, p->name, sg_facade_format_ending(k))) == NULL)
                 return SG_FAIL_NOMEM(err);
         inputs[nin++] = p->image;
         inputs[nin++] = p->probabilities;
         inputs[nin++] = p->truth;
     }
-    if (o->common.json != NULL && strcmp(o->common.json, "-") != 0)
-        outputs[nout++] = o->common.json;
     if (!shares_table(j) && (outputs[nout++] = output_path(j, "classes", ".tsv")) == NULL)
         return SG_FAIL_NOMEM(err);
     const char *const shared[] = {o->grammar, o->classifier, o->truth_table, o->dataset.names_file,
@@ -501,6 +508,9 @@ static sg_status spare_inputs(const job *j, sg_error *err)
                                   sg_arena_printf(j->arena, "%s/classes.tsv", o->truth != NULL ? o->truth : ".")};
     for (size_t k = 0; k < sizeof shared / sizeof shared[0]; k++)
         inputs[nin++] = shared[k];
+    SG_TRY(sg_program_apart(o->common.json, outputs, nout, err));
+    if (o->common.json != NULL && strcmp(o->common.json, "-") != 0)
+        outputs[nout++] = o->common.json;
     return sg_facade_spare_files(outputs, nout, inputs, nin, err);
 }
 
@@ -577,7 +587,7 @@ static void print_outcome(const job *j, const sg_facade_photo *p, const sg_facad
         print_share(best->accuracy);
     }
     printf(" %8.2f", o->seconds);
-    if (o->searched)
+    if (o->searched && o->search_seconds > 0)
         printf(" %9.0f\n", (double)o->moves / o->search_seconds);
     else
         printf(" %9s\n", "-");
@@ -604,6 +614,8 @@ static sg_status print_scores(const job *j, sg_error *err)
         }
     SG_TRY(sg_scores_of(&map, j->arena, &of_map, err));
     SG_TRY(sg_scores_of(&found, j->arena, &of_found, err));
+    if (isnan(of_found.overall)) /* no pixel has a truth */
+        return SG_OK;
     printf("all %zu: accuracy %.2f%% (MAP %.2f%%), class average %.2f%% (MAP %.2f%%)\n", found.nmaps, 100 * of_found.overall,
            100 * of_map.overall, 100 * of_found.class_average, 100 * of_map.class_average);
     return SG_OK;
@@ -626,10 +638,10 @@ static bool stop_photo(sg_progress *self)
     return sg_progress_stopped(&j->bar);
 }
 
-/* What the next photographs would meet too. */
+/* What the next photographs would meet too; memory that does not suffice for one may for others. */
 static bool is_fatal(sg_status st)
 {
-    return st == SG_EIO || st == SG_ENOMEM || st == SG_STOPPED;
+    return st == SG_EIO || st == SG_STOPPED;
 }
 
 static void process_all(job *j)
@@ -641,7 +653,7 @@ static void process_all(job *j)
         sg_program_progress_end();
         if (st != SG_OK && st != SG_STOPPED)
             sg_program_complain("%s", o->error.msg);
-        else if (shows_table(j))
+        else if (shows_table(j) && o->stages[o->best].done)
             print_outcome(j, photo, o);
         if (is_fatal(st)) {
             j->ndone++;
@@ -679,6 +691,14 @@ static int rank(sg_status st)
     default:
         return 1;
     }
+}
+
+static bool has_result(const job *j)
+{
+    for (size_t i = 0; i < j->ndone; i++)
+        if (j->outcomes[i].stages[j->outcomes[i].best].done)
+            return true;
+    return false;
 }
 
 /* The worst that befell a photograph; each has been named already. */
@@ -754,10 +774,15 @@ int main(int argc, char **argv)
     job j = {.opts = &o, .arena = sg_arena_create(), .bar = sg_program_progress(&o.common)};
     j.progress = (sg_progress){j.bar.report != NULL ? report_photo : NULL, stop_photo, &j};
     const sg_status st = j.arena != NULL ? run(&j, &err) : SG_FAIL_NOMEM(&err);
+    const bool nothing = st == SG_STOPPED && !has_result(&j);
     sg_pixel_classifier_free(j.classifier);
     sg_classes_clear(&j.own_classes);
     sg_classes_clear(&j.truth_classes);
     sg_grammar_free(j.g);
     sg_arena_free(j.arena);
+    if (nothing) {
+        sg_program_complain("stopped before a photograph was parsed");
+        return sg_exit_code(st);
+    }
     return sg_program_end(st, &err);
 }

@@ -57,6 +57,16 @@ cp photos/grey.png kept.png
 expect 2 "$apply" f.rf photos/grey.png -o photos
 says err 'this is read'
 same photos/grey.png kept.png
+for json in x/facade003.npy ./x//facade003.png photos/../x/./classes.tsv; do
+    expect 2 "$apply" f.rf photos/facade003.jpg -o x --json $json
+    says err 'two results would be this file'
+done
+absent x
+cp -r out1 link-to
+ln -s link-to link
+expect 2 "$apply" f.rf photos/facade003.jpg -o link --json link-to/facade003.npy
+expect 2 "$apply" f.rf photos/facade003.jpg -o link-to --json link/facade003.png
+diff -r out1 link-to >diff.out || fail "something was written"
 expect 2 "$apply" f.rf photos/facade003.jpg -o x --json photos/facade003.jpg
 expect 2 "$apply" f.rf photos/facade003.jpg -o x --json f.rf
 mkdir table
@@ -100,6 +110,14 @@ says err '5 of 7 photographs'
 diff -r out1 some >diff.out || fail "the good ones are not done as they were"
 if grep -q 'cut.jpg' some.json; then fail "a bad photograph among the done ones"; fi
 
+# The coded data ends early, but the file says that it is whole: only we speak of it
+(head -c 3000 photos/facade003.jpg && printf '\377\331') >photos/closed.jpg
+expect 3 "$apply" f.rf photos/closed.jpg photos/facade003.jpg -o closed --quiet
+says err '^apply-unaries: photos/closed.jpg: a damaged JPEG file: '
+[ "$(wc -l <err)" -eq 2 ] || fail "somebody else speaks too"
+same closed/facade003.npy out1/facade003.npy
+absent closed/closed.npy
+
 # Odd ones: one pixel, grey, palette, 16 bits, alpha, CMYK
 if command -v python3 >/dev/null; then
     expect 0 python3 -c 'import struct, zlib
@@ -120,6 +138,28 @@ png("photos/wide.png", 32768, 32768, 8, 2, b"")'
     says err 'photos/huge.png: '
     says err 'photos/wide.png: '
     [ -e odd2/pixel.npy ] || fail "the good one is not done"
+fi
+
+# One that memory does not suffice for, one whose results can have no name: the others are done
+long=$(printf '%0254d' 7)
+cp photos/facade004.jpg "photos/$long"
+expect 3 "$apply" f.rf "photos/$long" photos/facade003.jpg -o longer
+says err 'the name is too long'
+same longer/facade003.npy out1/facade003.npy
+if [ -e photos/huge.png ] && (ulimit -v 1000000 && "$apply" --version) >out 2>&1; then
+    expect 0 python3 -c 'import struct, zlib
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+open("photos/poster.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 7000, 7000, 8, 0, 0, 0, 0))
+    + chunk(b"IDAT", zlib.compress(bytes(7001 * 7000), 1)) + chunk(b"IEND", b""))'
+    (ulimit -v 1000000 && exec "$apply" f.rf photos/poster.png photos/text.jpg photos/facade003.jpg -o poster --threads 2 \
+        --json poster.json) >out 2>err
+    [ $? -eq 4 ] || fail "too little memory is no failure of the system"
+    says err 'photos/poster.png: there is not enough memory'
+    says err 'photos/text.jpg: '
+    says err '2 of 3 photographs'
+    same poster/facade003.npy out1/facade003.npy
+    says poster.json facade003
 fi
 
 # The system fails

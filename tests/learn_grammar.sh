@@ -132,7 +132,8 @@ for bad in "" "lat" "lat lat -o x.sg" "lat -o x.sg --weight -1" "lat -o x.sg --w
     "lat -o x.sg --share some" "lat -o x.sg --search best" "lat -o x.sg --data-term viterbi --alpha 0.5" \
     "lat -o x.sg --cells 3 --accuracy 0.5" "lat -o x.sg --fold 1 --names n" "lat -o - --json -" "lat -o x.sg --max-images x" \
     "lat -o x.sg --concentration 1,x" "lat -o x.sg --concentration -3" "lat -o x.sg --concentration 1,2,3" \
-    "lat -o x.sg --nothing"; do
+    "lat -o x.sg --nothing" "lat -o x.sg --json ./x.sg" "lat -o lat/../x.sg --initial x.sg" "lat -o y.sg --initial x.sg --json .//x.sg" \
+    "lat -o x/index.html --report x" "lat -o x.sg --report x --json lat/../x/grammar.svg"; do
     # shellcheck disable=SC2086
     expect 2 "$program" $bad
 done

@@ -88,6 +88,8 @@ expect 2 quick -o x --features some
 expect 2 quick -o x --active 76
 expect 2 quick -o x --fold 1 --names names
 expect 2 quick -o x --json x
+expect 2 quick -o x --json set/../x
+says err 'need a file each'
 expect 2 quick -o - --json -
 expect 2 quick -o x --no-such-option
 absent x

@@ -145,6 +145,10 @@ if [ "$(id -u)" -ne 0 ]; then
     chmod a-w closed
     expect 4 "$program" set -o closed
 fi
+mkdir here
+expect 2 "$program" "$SG_SOURCE_DIR/data/facades" --max-images 2 -o here --json ./here//facade001.lat
+expect 2 "$program" "$SG_SOURCE_DIR/data/facades" --max-images 2 -o here --pictures --json here/facade002.png
+[ -z "$(ls here)" ] || fail "a result is written over another"
 # Two blocks and not none: the OpenMP of clang keeps a small file in shared memory, and dies where it may not.
 (ulimit -f 2 && "$program" "$SG_SOURCE_DIR/data/facades" --max-images 2 -o small >/dev/null 2>err)
 [ $? -eq 4 ] || fail "a file size limit is no failure"

@@ -125,10 +125,42 @@ holds gap.json "d[0]['stages']['mcmc_from_exact']['energy'] <= d[0]['stages']['e
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -p npy f-0005 -o start --start exact $quick --json start.json
 holds start.json "sorted(d[0]['stages']) == ['exact', 'mcmc_from_exact']"
-for method in ga smc sosmc; do
+for method in ga smc sosmc foo; do
     expect 2 parse-facade g.sg -p npy f-0005 -o y --method $method
-    says err "$method is not there yet; there are mcmc and exact"
+    says err "'$method' is none of mcmc, exact$"
 done
+
+# what an earlier parse of the same name left and this one does not make goes; nothing else does
+cp -r res old
+echo mine >old/f-0005.txt
+expect 0 parse-facade g.sg -p npy f-0005 -o old --method exact --formats labels
+[ "$(cd old && echo f-0005*)" = 'f-0005.json f-0005.png f-0005.txt' ] || fail "beside a new parse: $(ls old)"
+same old/f-0006.lines.tsv res/f-0006.lines.tsv
+cp set/images/f-0005.png old/f-0005.overlay.png
+expect 2 parse-facade g.sg -u f.rf set/images/f-0005.png old/f-0005.overlay.png -o old --formats derivation
+same old/f-0005.overlay.png set/images/f-0005.png
+
+# a data set with a photograph that has no label map, one that is there twice, a label map at fault
+cp -r set odd
+cp odd/images/f-0001.png odd/images/extra.png
+expect 0 parse-facade g.sg -u f.rf odd -o odd.out --method exact --formats labels
+[ "$(grep -c 'note: odd/images: left out, since there is no label map: extra.png$' err)" = 1 ] || fail 'an unlabelled photograph is not named'
+absent odd.out/extra.png
+cp odd/images/f-0001.png odd/images/f-0001.jpg
+expect 3 parse-facade g.sg -u f.rf odd -o odd2.out --method exact
+says err 'odd/images/f-0001.png: there is odd/images/f-0001.jpg too'
+rm odd/images/f-0001.jpg
+head -c 60 set/labels/f-0002.png >odd/labels/f-0002.png
+expect 3 parse-facade g.sg -u f.rf odd -o odd2.out --method exact
+says err 'odd/labels/f-0002.png: '
+absent odd2.out
+
+# nothing to score, nothing to say
+sed 's/^\([0-9]*\)	[^	]*/\1	ignore/' set/classes.tsv >none.tsv
+printf '99\twall\t#ffffff\n' >>none.tsv
+expect 0 parse-facade g.sg -p npy f-0005 -o none --method exact --truth set/labels --classes none.tsv
+if grep -q nan out; then fail 'a number that is none'; fi
+if grep -q '^all' out; then fail 'a score of nothing'; fi
 
 # ---- a batch with bad photographs: the others are parsed as if alone ----
 mkdir photos
@@ -144,6 +176,26 @@ says err '3 of 5 photographs were not parsed'
 for file in res/*; do same "$file" "batch/${file#res/}"; done
 [ "$(ls batch | wc -l)" = 15 ] || fail "a bad photograph left something: $(ls batch)"
 holds batch.json "[r['energy'] is None for r in d] == [False, True, True, True, False] and 'truncated' in d[1]['error']"
+# one whose results can have no name, one that memory does not suffice for
+long=$(printf '%0245d' 7)
+cp set/images/f-0005.png "photos/$long.png"
+# shellcheck disable=SC2086
+expect 3 parse-facade g.sg -u f.rf "photos/$long.png" set/images/f-0005.png -o long $quick
+says err 'the name is too long for its results'
+for file in alone/*; do same "$file" "long/${file#alone/}"; done
+if $have_python && (ulimit -v 1000000 && parse-facade --version) >out 2>&1; then
+    expect 0 python3 -c 'import struct, zlib
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+open("photos/poster.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 7000, 7000, 8, 0, 0, 0, 0))
+    + chunk(b"IDAT", zlib.compress(bytes(7001 * 7000), 1)) + chunk(b"IEND", b""))'
+    # shellcheck disable=SC2086
+    (ulimit -v 1000000 && exec parse-facade g.sg -u f.rf photos/poster.png photos/text.jpg set/images/f-0005.png -o poster $quick --threads 2) >out 2>err
+    [ $? = 4 ] || fail 'too little memory is no failure of the system'
+    says err 'photos/poster.png: there is not enough memory'
+    says err '1 of 3 photographs were parsed'
+    for file in alone/*; do same "$file" "poster/${file#alone/}"; done
+fi
 # every kind of bad input
 cp -r npy bad; head -c 1000 npy/f-0001.npy >bad/f-0001.npy; cp npy/f-0002.npy bad/wide.npy; cp set/labels/f-0003.png bad/f-0003.npy
 # shellcheck disable=SC2086
@@ -210,6 +262,8 @@ expect 2 parse-facade g.sg -u f.rf $image -o y --method exact --start exact
 expect 2 parse-facade g.sg -u f.rf $image -o y --formats labels,sound
 expect 2 parse-facade g.sg -u f.rf $image -o y --share turn=1
 expect 2 parse-facade g.sg -u f.rf $image -o y --share shift
+expect 2 parse-facade g.sg -u f.rf $image -o y --share jump-fresh=0 --share jump-copy=0 --share resample=0 --share reflect=0 \
+    --share shift=0 --share switch=0
 expect 2 parse-facade g.sg -u f.rf $image -o y --hard=0.1
 expect 2 parse-facade g.sg -u f.rf $image -o y --hard=1
 expect 2 parse-facade g.sg -u f.rf $image -o y --floor 0.5
@@ -238,6 +292,11 @@ cp npy/f-0005.npy npy/f-0005.overlay.npy
 expect 2 parse-facade g.sg -p npy f-0005 f-0005.overlay -o y
 says err 'y/f-0005.overlay.png: two results would be this file'
 expect 2 parse-facade g.sg -p npy f-0005 -o y --json npy/classes.tsv
+for json in fresh/f-0005.json ./fresh/f-0005.trace.tsv npy/../fresh//classes.tsv; do
+    expect 2 parse-facade g.sg -p npy f-0005 -o fresh --json $json
+    says err 'two results would be this file'
+done
+absent fresh
 
 # ---- signals ----
 parse-facade g.sg -u f.rf set -o stopped --iterations 1000000000 --runs 2 --chains 2 --quiet --json stopped.json >out 2>err &
@@ -250,6 +309,19 @@ wait $pid
 [ -s stopped/f-0001.png ] && [ -s stopped/f-0001.json ] || fail 'the best so far was not written'
 absent stopped/f-0002.png
 holds stopped.json "len(d) == 1 and d[0]['stopped'] and d[0]['energy'] < 1e6"
+# before anything is parsed
+mkfifo pipe
+parse-facade g.sg -u f.rf pipe set/images/f-0005.png -o early --quiet >out 2>err &
+pid=$!
+for _ in $(seq 100); do [ -e early/classes.tsv ] && break; sleep 0.1; done
+kill -INT $pid
+echo nothing >pipe & # is opened twice: for what it is, and to be read
+sleep 1
+kill -0 $pid 2>/dev/null && timeout 10 sh -c 'echo nothing >pipe'
+wait $pid
+[ $? = 5 ] || fail 'an early interrupt does not end with 5'
+says err 'stopped before a photograph was parsed'
+if grep -q 'is written' err; then fail 'nothing was written'; fi
 # killed at any moment: what is there is whole
 # shellcheck disable=SC2086
 expect 0 parse-facade g.sg -u f.rf set -o whole $quick

@@ -12,6 +12,7 @@
 #include <stdint.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -231,6 +232,29 @@ START_TEST(folders_are_made_with_their_parents)
 }
 END_TEST
 
+START_TEST(places_are_told_by_their_folders)
+{
+    char folder[] = "/tmp/sg-test-XXXXXX", x[64], y[64], back[4096];
+    ck_assert_ptr_nonnull(mkdtemp(folder));
+    ck_assert_ptr_nonnull(getcwd(back, sizeof back));
+    ck_assert_int_eq(chdir(folder), 0);
+    snprintf(x, sizeof x, "%s/new/x", folder);
+    snprintf(y, sizeof y, "%s/./x", folder);
+    ck_assert_int_eq(mkdir("real", 0700), 0);
+    ck_assert_int_eq(symlink("real", "link"), 0);
+    const char *const same[][2] = {{"x", "x"}, {"x", "./x"}, {"x", y}, {"real/x", "link/x"}, {"real/x", "link/../real//x"},
+                                   {"new/x", "./new/x"}, {"new/x", "new//./x"}, {"n/x", "n//x"}, {"new/a/x", "real/../new/a/x"}, {"new/x", x},
+                                   {"link/new/x", "real/new/x"}, {"/none/x", "//none//x"}};
+    const char *const other[][2] = {{"x", "y"}, {"real/x", "x"}, {"new/x", "x"}, {"new/x", "new/y"}, {"new/a/x", "new/b/x"},
+                                    {"-", "-"}, {"x", "-"}, {"real", "link"}, {"/none/x", "none/x"}};
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; i++)
+        ck_assert_msg(sg_file_same_place(same[i][0], same[i][1]), "%s is not %s", same[i][0], same[i][1]);
+    for (size_t i = 0; i < sizeof other / sizeof other[0]; i++)
+        ck_assert_msg(!sg_file_same_place(other[i][0], other[i][1]), "%s is %s", other[i][0], other[i][1]);
+    ck_assert(unlink("link") == 0 && rmdir("real") == 0 && chdir(back) == 0 && rmdir(folder) == 0);
+}
+END_TEST
+
 START_TEST(each_status_has_its_exit_code)
 {
     const int want[] = {0, 2, 3, 1, 1, 4, 4, 5};
@@ -255,6 +279,7 @@ int main(void)
     tcase_add_test(tc, output_failures_are_named);
     tcase_add_test(tc, a_file_size_limit_leaves_no_half_file);
     tcase_add_test(tc, folders_are_made_with_their_parents);
+    tcase_add_test(tc, places_are_told_by_their_folders);
     tcase_add_test(tc, each_status_has_its_exit_code);
     suite_add_tcase(suite, tc);
     return test_run(suite);

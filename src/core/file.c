@@ -191,6 +191,66 @@ bool sg_file_same(const char *a, const char *b)
     return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
+/* The deepest folder that is there, and what follows it. */
+typedef struct {
+    dev_t device;
+    ino_t inode;
+    char rest[4096]; /* each part with a slash before it */
+} place;
+
+/* Parts that lead nowhere are left out. */
+static void tidy(const char *from, char *to)
+{
+    while (*from != '\0') {
+        const size_t n = strcspn(from, "/");
+        if (n > 0 && !(n == 1 && *from == '.')) {
+            *to++ = '/';
+            memcpy(to, from, n);
+            to += n;
+        }
+        from += n + (from[n] == '/');
+    }
+    *to = '\0';
+}
+
+static bool find_place(const char *path, place *out)
+{
+    char folder[4096 - 1]; /* a slash more fits in out->rest */
+    struct stat st;
+    size_t n = strlen(path);
+    if (n >= sizeof folder)
+        return false;
+    memcpy(folder, path, n + 1);
+    do {
+        while (n > 0 && folder[n - 1] != '/') /* the last part, */
+            n--;
+        while (n > 1 && folder[n - 1] == '/') /* and the slashes before it */
+            n--;
+        folder[n] = '\0';
+    } while (n > 0 && (stat(folder, &st) != 0 || !S_ISDIR(st.st_mode)));
+    if (n == 0 && stat(".", &st) != 0)
+        return false;
+    out->device = st.st_dev;
+    out->inode = st.st_ino;
+    tidy(path + n, out->rest);
+    return true;
+}
+
+bool sg_file_same_place(const char *a, const char *b)
+{
+    place x, y;
+    return strcmp(a, "-") != 0 && strcmp(b, "-") != 0 && find_place(a, &x) && find_place(b, &y) && x.device == y.device &&
+           x.inode == y.inode && strcmp(x.rest, y.rest) == 0;
+}
+
+bool sg_file_name_fits(const char *folder, const char *name, const char *ending)
+{
+    const long most = pathconf(folder, _PC_NAME_MAX);
+    const size_t n = strlen(name) + strlen(ending);
+    const sg_output *out = NULL;
+    return (most < 0 || n <= (size_t)most) && strlen(folder) + 1 + n < sizeof out->path;
+}
+
 bool sg_file_exists(const char *path)
 {
     struct stat st;

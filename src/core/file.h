@@ -37,7 +37,12 @@ sg_status sg_folder_create(const char *path, sg_error *err);
 
 /** Do two paths lead to one file or folder? False when one is not there. */
 bool sg_file_same(const char *a, const char *b);
+/** Would outputs of these two paths be one file, now or once their folders are made? By the identity of the folders, whatever
+ *  they are called. "-" is no file. */
+bool sg_file_same_place(const char *a, const char *b);
 bool sg_file_exists(const char *path);
+/** Is folder/NAMEending, NAME being name, no longer than the file system takes? */
+bool sg_file_name_fits(const char *folder, const char *name, const char *ending);
 bool sg_folder_exists(const char *path);
 
 #endif

@@ -24,19 +24,6 @@ cv::Mat view(const sg_image *im)
     return cv::Mat(static_cast<int>(im->height), static_cast<int>(im->width), CV_8UC3, im->rgb);
 }
 
-sg_status decode(const uint8_t *bytes, size_t n, sg_image *out, sg_error *err)
-{
-    const cv::Mat coded(1, static_cast<int>(n), CV_8UC1, const_cast<uint8_t *>(bytes));
-    const cv::Mat bgr = cv::imdecode(coded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-    if (bgr.empty())
-        return SG_FAIL(err, SG_EINPUT, "a damaged JPEG file, or one of a kind that is not known");
-    cv::Mat rgb = view(out);
-    if (bgr.size() != rgb.size() || bgr.type() != rgb.type())
-        return SG_FAIL(err, SG_EINPUT, "a damaged JPEG file: it has two sizes");
-    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-    return SG_OK;
-}
-
 sg_status encode(const sg_image *im, int quality, uint8_t **bytes, size_t *n, sg_error *err)
 {
     cv::Mat bgr;
@@ -68,11 +55,6 @@ sg_status resize(const sg_image *im, sg_image *out)
 }
 
 } // namespace
-
-sg_status sg_cv_decode_jpeg(const uint8_t *bytes, size_t n, sg_image *out, sg_error *err)
-{
-    return sg_cv_guarded(err, SG_EINPUT, [&] { return decode(bytes, n, out, err); });
-}
 
 sg_status sg_cv_encode_jpeg(const sg_image *im, int quality, uint8_t **bytes, size_t *n, sg_error *err)
 {

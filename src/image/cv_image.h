@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* cv_image.h - photographs through OpenCV. No OpenCV type and no C++ exception passes; what is decoded is
- * found whole and of a bearable size first (photo.c). */
+/* cv_image.h - photographs; coding and resizing through OpenCV. No OpenCV type and no C++ exception passes; what is decoded
+ * is found whole and of a bearable size first (photo.c). */
 #ifndef SG_IMAGE_CV_IMAGE_H
 #define SG_IMAGE_CV_IMAGE_H
 
@@ -12,7 +12,7 @@ extern "C" {
 
 /** Decode a photograph, JPEG or PNG, to 8-bit RGB (grey is spread, CMYK converted, transparent parts laid over white,
  *  EXIF rotation ignored: label maps do not have it).
- *  @return SG_OK, SG_EINPUT (missing, truncated, oversized, no such picture), SG_ENOMEM; on failure out is untouched */
+ *  @return SG_OK, SG_EINPUT (missing, truncated, damaged, oversized, no such picture), SG_ENOMEM; on failure out is untouched */
 sg_status sg_photo_read(const char *path, sg_image *out, sg_error *err);
 /** Size of a photograph without decoding it, but a JPEG's segments are walked to its end. @return as sg_photo_read */
 sg_status sg_photo_read_size(const char *path, size_t *width, size_t *height, sg_error *err);
@@ -22,8 +22,6 @@ sg_status sg_photo_write_jpeg(const char *path, const sg_image *im, int quality,
  *  @return SG_OK, SG_EINVAL, SG_ENOMEM */
 sg_status sg_photo_resize(const sg_image *im, size_t width, size_t height, sg_image *out, sg_error *err);
 
-/** The shim's own: decode the bytes of a JPEG file that sg_jpeg_check() has passed into out, made for its size. */
-sg_status sg_cv_decode_jpeg(const uint8_t *bytes, size_t n, sg_image *out, sg_error *err);
 /** The shim's own: code as JPEG; *bytes is malloc'd, the caller frees it. */
 sg_status sg_cv_encode_jpeg(const sg_image *im, int quality, uint8_t **bytes, size_t *n, sg_error *err);
 

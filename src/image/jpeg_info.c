@@ -23,7 +23,15 @@ static bool is_frame(unsigned marker)
     return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-static sg_status read_frame(const uint8_t *segment, size_t length, size_t *width, size_t *height, sg_error *err)
+/* With Huffman codes each block of 64 samples takes a bit at least, and the blocks of the finest component in either
+ * direction cover half of the picture together, however they are sampled. Arithmetic codes have no such bound. */
+static bool is_beyond(unsigned marker, size_t pixels, size_t nbytes)
+{
+    return marker <= 0xc7 && pixels / (2 * 64 * 8) > nbytes;
+}
+
+static sg_status read_frame(unsigned marker, const uint8_t *segment, size_t length, size_t nbytes, size_t *width,
+                            size_t *height, sg_error *err)
 {
     if (length < 8)
         return SG_FAIL(err, SG_EINPUT, "a damaged JPEG file: its frame header is too short");
@@ -34,6 +42,9 @@ static sg_status read_frame(const uint8_t *segment, size_t length, size_t *width
     sg_error inner = SG_ERROR_INIT;
     if (sg_image_check_size(*width, *height, &inner) != SG_OK)
         return SG_FAIL(err, SG_EINPUT, "%s", inner.msg);
+    if (is_beyond(marker, *width * *height, nbytes))
+        return SG_FAIL(err, SG_EINPUT, "a damaged JPEG file: %zu x %zu pixels cannot come from %zu bytes", *width, *height,
+                       nbytes);
     return SG_OK;
 }
 
@@ -69,7 +80,7 @@ sg_status sg_jpeg_check(const uint8_t *bytes, size_t n, size_t *width, size_t *h
         if (length > n - at)
             break;
         if (is_frame(marker)) {
-            SG_TRY(read_frame(bytes + at, length, width, height, err));
+            SG_TRY(read_frame(marker, bytes + at, length, n, width, height, err));
             framed = true;
         }
         at += length;

@@ -48,7 +48,7 @@ static sg_status decode_jpeg(const char *path, const jpeg_file *f, sg_image *out
     sg_image im;
     sg_error inner = SG_ERROR_INIT;
     SG_TRY(sg_image_create(f->width, f->height, &im, err));
-    const sg_status st = sg_cv_decode_jpeg(f->bytes, f->n, &im, &inner);
+    const sg_status st = sg_jpeg_decode(f->bytes, f->n, &im, &inner);
     if (st != SG_OK) {
         sg_image_clear(&im);
         return st == SG_ENOMEM ? SG_FAIL_NOMEM(err) : SG_FAIL(err, st, "%s: %s", path, inner.msg);

@@ -133,6 +133,14 @@ sg_status sg_program_spare(const char *output, const char *const *inputs, size_t
     return SG_OK;
 }
 
+sg_status sg_program_apart(const char *output, const char *const *others, size_t n, sg_error *err)
+{
+    for (size_t i = 0; output != NULL && i < n; i++)
+        if (others[i] != NULL && sg_file_same_place(output, others[i]))
+            return SG_FAIL(err, SG_EINVAL, "%s: two results would be this file", output);
+    return SG_OK;
+}
+
 bool sg_program_choice(const char *option, const char *arg, const char *const *choices, int *out)
 {
     char list[512] = "";

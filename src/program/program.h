@@ -60,6 +60,9 @@ bool sg_program_choice(const char *option, const char *arg, const char *const *c
 /** No run overwrites its input: SG_EINVAL when an output is the same file as one of n inputs (NULL: none). */
 sg_status sg_program_spare(const char *output, const char *const *inputs, size_t n, sg_error *err);
 
+/** No result overwrites another: SG_EINVAL when an output (NULL: none) would be the same file as one of n others. */
+sg_status sg_program_apart(const char *output, const char *const *others, size_t n, sg_error *err);
+
 /** "program: message" on standard error. */
 void sg_program_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /** Wrong usage: complain, point at --help, return 2. */

@@ -104,8 +104,12 @@ static bool take_folds(options *o, const char *arg)
 
 static bool take_alias(options *o, const char *arg)
 {
-    if (strchr(arg, '=') == NULL)
+    const char *equals = strchr(arg, '=');
+    if (equals == NULL)
         return sg_program_usage("--alias: '%s' is not NAME=OTHER", arg), false;
+    for (size_t i = 0; i < o->naliases; i++)
+        if (strncmp(o->aliases[i], arg, (size_t)(equals - arg) + 1) == 0)
+            return sg_program_usage("--alias: '%s' after '%s': two for one name", arg, o->aliases[i]), false;
     if (o->naliases == MAX_ALIASES)
         return sg_program_usage("--alias: more than %d", MAX_ALIASES), false;
     o->aliases[o->naliases++] = arg;

@@ -53,6 +53,10 @@ static void print_sum(const sg_confusion *c, const sg_scores *s, FILE *out)
     uint64_t pixels = 0;
     for (size_t k = 0; k < c->nclasses; k++)
         pixels += sg_confusion_pixels(c, k);
+    if (pixels == 0) {
+        fprintf(out, "no pixel to score in %zu map%s\n", c->nmaps, c->nmaps == 1 ? "" : "s");
+        return;
+    }
     fprintf(out, "overall %.2f%%   class average %.2f%%   mean IoU %.2f%%   %zu map%s, %" PRIu64 " pixels", 100 * s->overall,
             100 * s->class_average, 100 * s->mean_iou, c->nmaps, c->nmaps == 1 ? "" : "s", pixels);
     if (c->ignored > 0)

@@ -53,6 +53,7 @@ says out 'overall 14.29%'
 mv kept.tsv maps/classes.tsv
 
 # several folds: pooled, mean and published
+expect 2 "$program" set maps --fold 1 --classes few.tsv --alias chimney=roof --alias chimney=wall
 expect 0 "$program" set maps --fold 1-2 --classes few.tsv --alias chimney=roof --json scores.json
 cp out one
 says out '^1 *2 *92.31 '

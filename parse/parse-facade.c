@@ -324,6 +324,8 @@ static int check_args(const options *o)
         return sg_program_usage("--part belongs to --fold");
     if (o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT] && o->facade.stages[SG_FACADE_EXACT] && !o->gap)
         return sg_program_usage("--start belongs to --method mcmc");
+    if (o->gap && o->facade.stages[SG_FACADE_EXACT])
+        return sg_program_usage("--gap makes both; --method exact is not needed");
     if (o->gap && o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT])
         return sg_program_usage("--gap begins at both; --start is not needed");
     if (!has_a_share(&o->facade.search.kernel))

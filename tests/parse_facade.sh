@@ -117,6 +117,7 @@ expect 0 parse-facade g.sg -p npy f-0005 -o exact --method exact --json exact.js
 holds exact.json "d[0]['method'] == 'exact' and d[0]['moves_per_second'] is None and d[0]['accuracy'] > 0.9"
 absent exact/f-0005.trace.tsv; absent exact/f-0005.marginals.npy
 # shellcheck disable=SC2086
+expect 2 parse-facade g.sg -p npy f-0005 -o gap --gap --method exact
 expect 0 parse-facade g.sg -p npy f-0005 -o gap --gap $quick --json gap.json --truth set
 says out '^  mcmc_from_exact '
 holds gap.json "sorted(d[0]['stages']) == ['exact', 'mcmc', 'mcmc_from_exact']"

@@ -35,7 +35,7 @@ static sg_status open_temporary(sg_output *out, sg_error *err)
         return SG_FAIL(err, SG_EIO, "%s: the path is too long", out->path);
     const int fd = mkstemp(out->temp);
     if (fd < 0)
-        return SG_FAIL(err, SG_EIO, "%s: %s", out->path, strerror(errno));
+        return SG_FAIL(err, SG_EIO, "%s: %s", out->path, errno == ENOENT ? "its folder is not there" : strerror(errno));
     set_usual_mode(fd);
     out->fp = fdopen(fd, "wb");
     if (out->fp == NULL) {

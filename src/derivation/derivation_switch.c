@@ -178,7 +178,7 @@ typedef struct {
     size_t node;
     gsl_rng *rng;
     size_t max_nodes;
-    sg_rule_id from_rule, to_rule;
+    sg_rule_id to_rule;
     const flat_rule *from, *to;
     const flat_part *from_parts, *to_parts;
     uint32_t front, behind; /* parts that are the same */
@@ -282,14 +282,14 @@ static void match_children(switching *x)
 
 /* ---- sizes ---- */
 
-static double set_alpha(double *alpha, const flat_rule *r, uint32_t front, uint32_t block)
+/* Parameters of the Dirichlet distribution of a block's sizes. */
+static void set_alpha(double *alpha, const flat_rule *r, uint32_t front, uint32_t block)
 {
     double sum = 0;
     for (uint32_t k = 0; k < block; k++)
         sum += fmax(r->mean[front + k], 0);
     for (uint32_t k = 0; k < block; k++)
         alpha[k] = 1 + (sum > 0 ? CONCENTRATION * fmax(r->mean[front + k], 0) / sum : 0);
-    return sum;
 }
 
 static double sum_of(const double *x, uint32_t n)
@@ -399,7 +399,7 @@ static sg_status append_fresh(switching *x, sg_sym symbol, bool *inside)
     return *inside ? append_subtree(x, &w->fresh, 0) : SG_OK;
 }
 
-/* The root with the new rule, its arguments, uniforms and sizes. @return false: SG_ENOMEM */
+/* The root with the new rule, its arguments, uniforms and sizes. */
 static sg_status append_root(switching *x, bool *inside)
 {
     sg_derivation *s = x->slice;
@@ -451,9 +451,9 @@ sg_status sg_switcher_propose(sg_switcher *w, const sg_derivation *d, size_t nod
     *log_propose = -INFINITY;
     if (n->rule >= SG_RULE_EMPTY || n->depth > sg_grammar_depth_limit(w->g) || w->rules[n->rule].n == 0)
         return SG_OK;
-    switching x = {.w = w, .d = d, .node = node, .rng = rng, .max_nodes = max_nodes, .from_rule = n->rule, .slice = slice, .err = err};
+    switching x = {.w = w, .d = d, .node = node, .rng = rng, .max_nodes = max_nodes, .slice = slice, .err = err};
     SG_TRY(sg_derivation_draw_rule(d, node, rng, &x.to_rule, err));
-    x.from = w->rules + x.from_rule;
+    x.from = w->rules + n->rule;
     x.to = w->rules + x.to_rule;
     if (!can_be_aligned(&x))
         return SG_OK;

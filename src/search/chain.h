@@ -46,7 +46,7 @@ typedef struct {
 typedef struct {
     double share[SG_MOVE_KINDS];
     bool delayed_rejection;   /* after rejected jumps, where */
-    size_t delayed_nodes;     /* neither the old nor the new subtree is larger: of large ones hardly any second try is accepted */
+    size_t delayed_nodes;     /* neither the old nor the new subtree is larger: second tries of large ones cost most */
     double depth_base;        /* b of q(v) = b^-depth(v) / Z */
     double reflect_step;      /* sd in the space of uniforms */
     double shift_step;        /* sd as a share of the two sizes' sum; each step also draws its scale, so that small and large

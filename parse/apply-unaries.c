@@ -95,16 +95,6 @@ static double now_s(void)
 
 /* ---- names ---- */
 
-/* File name without folder and ending. */
-static const char *name_of(const char *path, sg_arena *arena)
-{
-    const char *slash = strrchr(path, '/'), *file = slash != NULL ? slash + 1 : path, *dot = strrchr(file, '.');
-    char *name = sg_arena_string(arena, file);
-    if (name != NULL && dot != NULL && dot > file)
-        name[dot - file] = '\0';
-    return name;
-}
-
 static int compare_names(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
@@ -121,6 +111,8 @@ static sg_status check_names(const job *j, sg_error *err)
         names[i] = j->results[i].name;
         if (names[i][0] == '\0')
             return SG_FAIL(err, SG_EINVAL, "%s: no name of a photograph", j->opts->images[i]);
+        if (sg_text_has_control(names[i]))
+            return SG_FAIL(err, SG_EINVAL, "'%s': a name with a control character", names[i]);
     }
     qsort(names, n, sizeof *names, compare_names);
     for (size_t i = 1; i < n; i++)
@@ -340,7 +332,7 @@ static sg_status run(job *j, sg_error *err)
     if (j->results == NULL)
         return SG_FAIL_NOMEM(err);
     for (size_t i = 0; i < o->nimages; i++)
-        if ((j->results[i].name = name_of(o->images[i], j->arena)) == NULL)
+        if ((j->results[i].name = sg_file_stem(o->images[i], j->arena)) == NULL)
             return SG_FAIL_NOMEM(err);
     SG_TRY(check_outputs(j, err));
     SG_TRY(sg_pixel_classifier_read(o->classifier, &j->classifier, err));

@@ -187,6 +187,13 @@ static sg_status conclude(const sg_dataset_check *c, sg_error *err)
     return SG_FAIL(err, SG_EINPUT, "%.900s (and %zu more faults)", c->first, c->nfaults - 1);
 }
 
+/* With anything of one in it, what is missing is told by name. */
+static bool looks_like_dataset(const char *folder, const sg_dataset_opts *opts, sg_arena *arena)
+{
+    const char *table = sg_arena_printf(arena, "%s/classes.tsv", folder), *labels = sg_arena_printf(arena, "%s/labels", folder);
+    return opts->classes_file != NULL || table == NULL || labels == NULL || sg_file_exists(table) || sg_file_exists(labels);
+}
+
 sg_status sg_dataset_open(const char *folder, const sg_dataset_opts *opts, sg_arena *arena,
                           void (*fault)(void *user, const char *sentence), void *user, sg_dataset *out, sg_error *err)
 {
@@ -196,6 +203,8 @@ sg_status sg_dataset_open(const char *folder, const sg_dataset_opts *opts, sg_ar
         return SG_FAIL(err, SG_EINVAL, "a fold and a list of names cannot both be asked for");
     if (!sg_folder_exists(folder))
         return SG_FAIL(err, SG_EINPUT, "%s: no such folder", folder);
+    if (!looks_like_dataset(folder, opts, arena))
+        return SG_FAIL(err, SG_EINPUT, "%s: this folder is no data set: neither classes.tsv nor labels/ is in it", folder);
     sg_dataset_check c = {folder, opts, arena, fault, user, 0, ""};
     d.folder = sg_arena_string(arena, folder);
     if (d.folder == NULL)

@@ -58,9 +58,8 @@ static const char *name_fault(const char *name)
         return "a name with a slash leads out of the data set";
     if (strstr(name, "..") != NULL)
         return "a name with two dots could lead out of the data set";
-    for (const char *p = name; *p != '\0'; p++)
-        if ((unsigned char)*p < 32 || *p == 127)
-            return "a name with a control character";
+    if (sg_text_has_control(name))
+        return "a name with a control character";
     if (!sg_utf8_is(name, strlen(name)))
         return "a name that is no UTF-8";
     return NULL;
@@ -157,7 +156,8 @@ static sg_status read_list(sg_dataset_check *c, const char *path, list *l, sg_er
     while (sg_lines_next(&l->lines))
         SG_TRY(take_line(l, err));
     if (l->count == 0 && c->nfaults == 0 && !c->opts->may_be_empty)
-        sg_dataset_fault(c, "%s: no name in it is of the part that is asked for", path);
+        sg_dataset_fault(c, c->opts->names_file != NULL ? "%s: no name in it" :
+                            "%s: no name in it is of the part that is asked for", path);
     return SG_OK;
 }
 

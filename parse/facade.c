@@ -4,6 +4,8 @@
 
 #include "parse/facade.h"
 
+#include "core/random.h"
+#include "scene/label_scene.h"
 #include "score/label_score.h"
 
 #include <math.h>
@@ -131,12 +133,31 @@ static sg_status search(job *j, sg_facade_stage stage, const sg_derivation *star
     return st;
 }
 
+/* Why no sample could be scored: what one of them is refused for. The search's sentence stays when it is not. */
+static void explain(const job *j, sg_error *err)
+{
+    sg_derivation d;
+    sg_label_scene scene = {0};
+    sg_error why = SG_ERROR_INIT, first = *err;
+    gsl_rng *rng = sg_random_create(j->opts->search.seed);
+    sg_derivation_init(&d, j->g);
+    if (rng != NULL && (sg_derivation_sample(&d, rng, j->opts->search.kernel.max_nodes, &why) != SG_OK ||
+                        sg_label_scene_interpret(&scene, &d, (double)j->costs->width, (double)j->costs->height, &why) != SG_OK))
+        SG_FAIL(err, first.code, "%.400s: %.500s", first.msg, why.msg);
+    sg_label_scene_clear(&scene);
+    sg_derivation_clear(&d);
+    if (rng != NULL)
+        gsl_rng_free(rng);
+}
+
 /* The first search is kept for reports. */
 static sg_status run_search(job *j, sg_facade_stage stage, const sg_derivation *start, sg_error *err)
 {
     sg_metropolis_result result;
     memset(&result, 0, sizeof result);
     const sg_status st = search(j, stage, start, &result, err);
+    if (st == SG_ENOPARSE)
+        explain(j, err);
     if ((st == SG_OK || st == SG_STOPPED) && result.nruns > 0 && !j->out->searched) {
         j->out->search = result;
         j->out->searched = true;

@@ -4,11 +4,13 @@
 
 #include "core/array.h"
 #include "core/file.h"
+#include "core/utf8.h"
 #include "parse/facade_photos.h"
 
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 typedef struct {
@@ -22,17 +24,11 @@ typedef struct {
 
 /* ---- one photograph ---- */
 
-static const char *base_name(const char *path)
+static bool is_photo_name(const char *file)
 {
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? slash + 1 : path;
-}
-
-/* Without folder and ending. */
-static const char *stem_of(const char *path, sg_arena *arena)
-{
-    const char *base = base_name(path), *dot = strrchr(base, '.');
-    return sg_arena_printf(arena, "%.*s", dot != NULL && dot > base ? (int)(dot - base) : (int)strlen(base), base);
+    const char *dot = strrchr(file, '.');
+    return file[0] != '.' && dot != NULL &&
+           (strcasecmp(dot, ".jpg") == 0 || strcasecmp(dot, ".jpeg") == 0 || strcasecmp(dot, ".png") == 0);
 }
 
 static const char *probabilities_of(const list *l, const char *name)
@@ -46,6 +42,8 @@ static sg_status add(list *l, sg_facade_photo photo, sg_error *err)
         return SG_FAIL_NOMEM(err);
     if (photo.name[0] == '\0' || strcmp(photo.name, ".") == 0 || strcmp(photo.name, "..") == 0)
         return SG_FAIL(err, SG_EINVAL, "'%s' is no name of a photograph", photo.image != NULL ? photo.image : photo.name);
+    if (sg_text_has_control(photo.name))
+        return SG_FAIL(err, SG_EINVAL, "'%s': a name with a control character", photo.name);
     if (l->opts->probabilities != NULL && (photo.probabilities = probabilities_of(l, photo.name)) == NULL)
         return SG_FAIL_NOMEM(err);
     if (!SG_GROW(l->items, l->capacity, l->n + 1))
@@ -54,17 +52,17 @@ static sg_status add(list *l, sg_facade_photo photo, sg_error *err)
     return SG_OK;
 }
 
-/* A path, or the name of probabilities alone. */
+/* A path, or the name of probabilities alone: NAME.npy is then asked for, unless NAME is a file and the array is not there. */
 static sg_status add_argument(list *l, const char *arg, sg_error *err)
 {
-    if (l->opts->probabilities != NULL && strchr(arg, '/') == NULL && !sg_file_exists(arg)) {
+    if (l->opts->probabilities != NULL && strchr(arg, '/') == NULL && !is_photo_name(arg)) {
         const char *path = probabilities_of(l, arg);
         if (path == NULL)
             return SG_FAIL_NOMEM(err);
-        if (sg_file_exists(path))
+        if (sg_file_exists(path) || !sg_file_exists(arg))
             return add(l, (sg_facade_photo){.name = sg_arena_string(l->arena, arg)}, err);
     }
-    return add(l, (sg_facade_photo){.name = stem_of(arg, l->arena), .image = arg}, err);
+    return add(l, (sg_facade_photo){.name = sg_file_stem(arg, l->arena), .image = arg}, err);
 }
 
 /* ---- data sets ---- */
@@ -79,18 +77,12 @@ static int compare_item(const void *name, const void *item)
     return strcmp(name, ((const sg_dataset_item *)item)->name);
 }
 
-static bool is_photo_name(const char *file)
-{
-    const char *dot = strrchr(file, '.');
-    return file[0] != '.' && dot != NULL && (strcmp(dot, ".jpg") == 0 || strcmp(dot, ".jpeg") == 0 || strcmp(dot, ".png") == 0);
-}
-
 /* Files in images/ whose names are not among the items; *names is malloc'd. */
 static sg_status find_unlabelled(list *l, DIR *dir, const sg_dataset *d, const char ***names, size_t *n, sg_error *err)
 {
     size_t capacity = 0;
     for (struct dirent *e = readdir(dir); e != NULL; e = readdir(dir)) {
-        const char *stem = is_photo_name(e->d_name) ? stem_of(e->d_name, l->arena) : "";
+        const char *stem = is_photo_name(e->d_name) ? sg_file_stem(e->d_name, l->arena) : "";
         const char *file = stem != NULL ? sg_arena_string(l->arena, e->d_name) : NULL;
         if (file == NULL)
             return SG_FAIL_NOMEM(err);

@@ -360,6 +360,8 @@ static void tell(const sg_pixel_classifier *c, const sg_pixel_learn_report *r)
                 r->valid_images, 100 * r->valid.overall, 100 * r->valid.class_average, r->valid.log_loss,
                 100 * r->valid_before.overall, 100 * r->valid_before.class_average, r->valid_before.log_loss,
                 cal.temperature, cal.exponent);
+    else if (r->valid_images > 0)
+        fprintf(stderr, "learn-unaries: not calibrated: it was stopped before\n");
 }
 
 /* ---- all of it ---- */

@@ -53,7 +53,7 @@ typedef struct {
     sg_common_opts common;
     const char *grammar, *classifier, *probabilities, *output, *truth, *truth_table;
     sg_dataset_opts dataset;
-    bool part_given, gap, dataset_opts_given;
+    bool part_given, start_given, gap, dataset_opts_given;
     sg_facade_opts facade;
     double hard, floor;
     unsigned formats;
@@ -187,6 +187,7 @@ static bool take_start(const char *arg, options *o)
 {
     static const char *const starts[] = {"prior", "exact", NULL};
     int which;
+    o->start_given = true;
     if (!sg_program_choice("--start", arg, starts, &which))
         return false;
     o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT] = which == 1;
@@ -322,11 +323,11 @@ static int check_args(const options *o)
         return sg_program_usage("--fold and --names cannot both be asked for");
     if (o->part_given && o->dataset.fold == 0)
         return sg_program_usage("--part belongs to --fold");
-    if (o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT] && o->facade.stages[SG_FACADE_EXACT] && !o->gap)
+    if (o->start_given && o->facade.stages[SG_FACADE_EXACT] && !o->gap)
         return sg_program_usage("--start belongs to --method mcmc");
     if (o->gap && o->facade.stages[SG_FACADE_EXACT])
         return sg_program_usage("--gap makes both; --method exact is not needed");
-    if (o->gap && o->facade.stages[SG_FACADE_SEARCH_FROM_EXACT])
+    if (o->gap && o->start_given)
         return sg_program_usage("--gap begins at both; --start is not needed");
     if (!has_a_share(&o->facade.search.kernel))
         return sg_program_usage("--share: every kind of moves has a share of 0, so there is none to make");
@@ -742,6 +743,20 @@ static sg_status process_and_report(job *j, sg_error *err)
     return conclude(j, err);
 }
 
+/* Probabilities that --floor and --hard set, against the number of classes. */
+static sg_status check_levels(const job *j, sg_error *err)
+{
+    const size_t n = j->setup.classes->nclasses;
+    const double even = 1 / (double)n;
+    if (n > 1 && j->opts->floor >= even)
+        return SG_FAIL(err, SG_EINVAL, "--floor %g: with %zu classes it must be below %g", j->opts->floor, n, even);
+    if (j->opts->hard > 0 && n == 1)
+        return SG_FAIL(err, SG_EINVAL, "--hard: there is one class only, so nothing is more probable than something else");
+    if (j->opts->hard > 0 && j->opts->hard <= even)
+        return SG_FAIL(err, SG_EINVAL, "--hard %g: with %zu classes it must be above %g", j->opts->hard, n, even);
+    return SG_OK;
+}
+
 static sg_status run(job *j, sg_error *err)
 {
     const options *o = j->opts;
@@ -751,9 +766,7 @@ static sg_status run(job *j, sg_error *err)
     SG_TRY(read_classes(j, err));
     SG_TRY(read_grammar(j, err));
     j->setup.classifier = j->classifier;
-    if (o->floor * (double)j->setup.classes->nclasses >= 1 || (o->hard > 0 && o->hard * (double)j->setup.classes->nclasses <= 1))
-        return SG_FAIL(err, SG_EINVAL, "--floor and --hard: with %zu classes the floor must be below and the probability above %g",
-                       j->setup.classes->nclasses, 1 / (double)j->setup.classes->nclasses);
+    SG_TRY(check_levels(j, err));
     tell_unused_classes(j);
     SG_TRY(list_photos(j, err));
     SG_TRY(spare_inputs(j, err));

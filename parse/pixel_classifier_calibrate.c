@@ -109,11 +109,17 @@ static double best_exponent(const sg_pixel_tradeoff *curve)
 }
 
 static void draw_curve(const sg_pixel_judgements *j, const float *logs, const double *frequency,
-                       const sg_pixel_weights *weights, int threads, sg_pixel_tradeoff *curve)
+                       const sg_pixel_weights *weights, int threads, sg_progress *progress, sg_pixel_tradeoff *curve)
 {
+    bool stopped = false;
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (size_t i = 0; i < SG_PIXEL_EXPONENTS; i++)
-        curve[i] = accuracy_at(j, logs, frequency, (double)i / (SG_PIXEL_EXPONENTS - 1), weights);
+    for (size_t i = 0; i < SG_PIXEL_EXPONENTS; i++) {
+        bool skip;
+#pragma omp critical(sg_calibration)
+        skip = stopped = stopped || sg_progress_stopped(progress);
+        if (!skip)
+            curve[i] = accuracy_at(j, logs, frequency, (double)i / (SG_PIXEL_EXPONENTS - 1), weights);
+    }
 }
 
 /* ---- temperature ---- */
@@ -124,6 +130,7 @@ typedef struct {
     const double *weights; /* [nclasses] */
     double *parts; /* [blocks] sums of losses: added in their order whoever makes them */
     int threads;
+    sg_progress *progress;
 } loss_problem;
 
 static double block_loss(const loss_problem *l, size_t block, double scale)
@@ -158,9 +165,11 @@ static double loss_at(double log_temperature, void *params)
     return sum;
 }
 
-static sg_status refine(gsl_min_fminimizer *m, double *at, sg_error *err)
+static sg_status refine(gsl_min_fminimizer *m, sg_progress *progress, double *at, sg_error *err)
 {
     for (int i = 0; i < MAX_STEPS; i++) {
+        if (sg_progress_stopped(progress))
+            return SG_FAIL(err, SG_STOPPED, "stopped");
         if (gsl_min_fminimizer_iterate(m) != GSL_SUCCESS)
             return SG_FAIL(err, SG_ENUMERIC, "the temperature cannot be fitted");
         const double low = gsl_min_fminimizer_x_lower(m), high = gsl_min_fminimizer_x_upper(m);
@@ -178,6 +187,8 @@ static sg_status fit_temperature(loss_problem *l, double *temperature, sg_error 
     double loss[TEMPERATURES];
     size_t best = 0;
     for (size_t i = 0; i < TEMPERATURES; i++) {
+        if (sg_progress_stopped(l->progress))
+            return SG_FAIL(err, SG_STOPPED, "stopped");
         loss[i] = loss_at(LEAST_LOG_TEMPERATURE + step * (double)i, l);
         best = loss[i] < loss[best] ? i : best;
     }
@@ -194,15 +205,15 @@ static sg_status fit_temperature(loss_problem *l, double *temperature, sg_error 
                                            loss[best + 1]) != GSL_SUCCESS)
         st = SG_FAIL(err, SG_ENUMERIC, "the temperature cannot be fitted");
     if (st == SG_OK)
-        st = refine(m, &at, err);
+        st = refine(m, l->progress, &at, err);
     gsl_min_fminimizer_free(m);
     *temperature = exp(at);
     return st;
 }
 
 static sg_status fit(const sg_pixel_judgements *j, const double *frequency, const sg_pixel_weights *weights,
-                     bool fit_exponent, int threads, float *logs, double *parts, sg_pixel_tradeoff *curve,
-                     sg_calibration *out, sg_error *err)
+                     bool fit_exponent, int threads, sg_progress *progress, float *logs, double *parts,
+                     sg_pixel_tradeoff *curve, sg_calibration *out, sg_error *err)
 {
     sg_calibration c = {1, 0, true};
     sg_pixel_tradeoff mine[SG_PIXEL_EXPONENTS];
@@ -210,7 +221,9 @@ static sg_status fit(const sg_pixel_judgements *j, const double *frequency, cons
     for (size_t i = 0; i < j->n * j->nclasses; i++)
         logs[i] = logf(j->p[i]);
     if (fit_exponent || curve != NULL)
-        draw_curve(j, logs, frequency, weights, threads, mine);
+        draw_curve(j, logs, frequency, weights, threads, progress, mine);
+    if (sg_progress_stopped(progress))
+        return SG_FAIL(err, SG_STOPPED, "stopped");
     if (fit_exponent)
         c.exponent = best_exponent(mine);
     if (curve != NULL)
@@ -218,14 +231,14 @@ static sg_status fit(const sg_pixel_judgements *j, const double *frequency, cons
     sg_pixel_calibration_shift(&c, frequency, j->nclasses, shift);
     for (size_t i = 0; i < j->n * j->nclasses; i++)
         logs[i] -= shift[i % j->nclasses];
-    loss_problem l = {j, logs, weights->loss, parts, threads};
+    loss_problem l = {j, logs, weights->loss, parts, threads, progress};
     SG_TRY(fit_temperature(&l, &c.temperature, err));
     *out = c;
     return SG_OK;
 }
 
 sg_status sg_pixel_calibration_fit(const sg_pixel_judgements *j, const double *frequency,
-                                   const sg_pixel_weights *weights, bool fit_exponent, int threads,
+                                   const sg_pixel_weights *weights, bool fit_exponent, int threads, sg_progress *progress,
                                    sg_pixel_tradeoff *curve, sg_calibration *out, sg_error *err)
 {
     if (j->n == 0)
@@ -233,7 +246,8 @@ sg_status sg_pixel_calibration_fit(const sg_pixel_judgements *j, const double *f
     float *logs = malloc(j->n * j->nclasses * sizeof *logs);
     double *parts = malloc((j->n / BLOCK + 1) * sizeof *parts);
     const sg_status st = logs != NULL && parts != NULL
-                             ? fit(j, frequency, weights, fit_exponent, threads, logs, parts, curve, out, err)
+                             ? fit(j, frequency, weights, fit_exponent, threads, progress, logs, parts, curve, out,
+                                   err)
                              : SG_FAIL_NOMEM(err);
     free(logs);
     free(parts);

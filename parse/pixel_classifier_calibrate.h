@@ -47,9 +47,10 @@ typedef struct {
  *  of equals; the temperature then has the least log loss (Brent's method, in log temperature).
  *  @param fit_exponent  false: it is 0
  *  @param curve  out [SG_PIXEL_EXPONENTS], whether it is fitted or not; or NULL
- *  @return SG_OK, SG_EINVAL (no pixels), SG_ENUMERIC, SG_ENOMEM */
+ *  @param progress  asked whether to stop; or NULL
+ *  @return SG_OK, SG_EINVAL (no pixels), SG_ENUMERIC, SG_ENOMEM, SG_STOPPED */
 sg_status sg_pixel_calibration_fit(const sg_pixel_judgements *j, const double *frequency,
-                                   const sg_pixel_weights *weights, bool fit_exponent, int threads,
+                                   const sg_pixel_weights *weights, bool fit_exponent, int threads, sg_progress *progress,
                                    sg_pixel_tradeoff *curve, sg_calibration *out, sg_error *err);
 
 #endif

@@ -259,7 +259,7 @@ static sg_status calibrate_on(job *j, const sg_pixel_judgements *all, sg_error *
     if (j->opts->balanced)
         weigh(c->frequency, counts, all->nclasses, w.loss);
     SG_TRY(sg_pixel_calibration_fit(all, c->frequency, &w, !j->opts->balanced, j->opts->grow.threads,
-                                    j->report->curve, &c->calibration, err));
+                                    j->opts->grow.progress, j->report->curve, &c->calibration, err));
     j->report->valid_pixels = all->n;
     j->report->valid_before = sg_pixel_score_of(all, &none, c->frequency, &w);
     j->report->valid = sg_pixel_score_of(all, &c->calibration, c->frequency, &w);

@@ -69,6 +69,8 @@ expect 2 "$apply" f.rf photos/facade003.jpg -o link-to --json link/facade003.png
 diff -r out1 link-to >diff.out || fail "something was written"
 expect 2 "$apply" f.rf photos/facade003.jpg -o x --json photos/facade003.jpg
 expect 2 "$apply" f.rf photos/facade003.jpg -o x --json f.rf
+cp photos/facade003.jpg "$(printf 'a\tb.jpg')"
+expect 2 "$apply" f.rf "$(printf 'a\tb.jpg')" -o out-tab
 mkdir table
 cp f.rf table/classes.tsv
 expect 2 "$apply" table/classes.tsv photos/facade003.jpg -o table

@@ -229,6 +229,31 @@ expect 3 parse-facade g.sg -u cut.rf set/images/f-0005.png -o y
 expect 3 parse-facade g.sg -u g.sg set/images/f-0005.png -o y
 expect 3 parse-facade none.sg -u f.rf set/images/f-0005.png -o y
 expect 3 parse-facade g.sg -p none f-0005 -o y
+expect 3 parse-facade g.sg -p npy nosuch -o y
+says err 'npy/nosuch.npy: '
+expect 3 parse-facade g.sg -p npy nosuch.png -o y
+says err 'nosuch.png: '
+# a file of an array's name is no photograph
+echo notes >f-0005
+# shellcheck disable=SC2086
+expect 0 parse-facade g.sg -p npy f-0005 -o named $quick
+rm f-0005
+# a photograph through a pipe
+mkfifo piped.png
+cat set/images/f-0005.png >piped.png &
+# shellcheck disable=SC2086
+expect 0 parse-facade g.sg -u f.rf piped.png -o piped $quick
+rm piped.png
+# folders and lists
+mkdir photographs; cp set/images/f-0005.png photographs
+expect 3 parse-facade g.sg -u f.rf photographs -o y
+says err 'photographs: this folder is no data set'
+: >nobody
+expect 3 parse-facade g.sg -u f.rf set --names nobody -o y
+says err 'nobody: no name in it$'
+cp set/images/f-0005.png "$(printf 'a\tb.png')"
+expect 2 parse-facade g.sg -u f.rf "$(printf 'a\tb.png')" -o y
+says err 'a name with a control character'
 expect 3 parse-facade g.sg -u f.rf set --fold 2 -o y
 # a photograph of one pixel; one of something else
 mkdir one; printf '0' >one/dot.txt; printf '0\tpier\t#8a7f70\n' >one.tsv
@@ -246,7 +271,12 @@ expect 0 parse-facade g.sg -u f.rf other/*.rgb.png -o other.out $quick
 expect 1 parse-facade tall.sg -u f.rf set/images/f-0005.png set/images/f-0006.png -o y $quick
 says err 'f-0005: '
 says err '2 of 2 photographs were not parsed'
+says err 'S (rule in line [0-9]*): the parts of a split are larger than its scope'
 expect 3 parse-facade tall.sg -u f.rf set/images/f-0005.png -o y --method exact
+# one that makes no label scene at all
+printf 'start A\nrule A -> draw(1)\n' >walk.sg
+expect 1 parse-facade walk.sg -u f.rf set/images/f-0005.png -o y
+says err 'A (rule in line 2): .* no place in a label scene'
 
 # ---- usage ----
 image=set/images/f-0005.png
@@ -265,9 +295,12 @@ expect 2 parse-facade g.sg -u f.rf $image -o y --share turn=1
 expect 2 parse-facade g.sg -u f.rf $image -o y --share shift
 expect 2 parse-facade g.sg -u f.rf $image -o y --share jump-fresh=0 --share jump-copy=0 --share resample=0 --share reflect=0 \
     --share shift=0 --share switch=0
+expect 2 parse-facade g.sg -u f.rf $image -o y --method exact --start prior
 expect 2 parse-facade g.sg -u f.rf $image -o y --hard=0.1
+says err '^parse-facade: --hard 0.1: with'
 expect 2 parse-facade g.sg -u f.rf $image -o y --hard=1
 expect 2 parse-facade g.sg -u f.rf $image -o y --floor 0.5
+says err '^parse-facade: --floor 0.5: with'
 expect 2 parse-facade g.sg -u f.rf $image -o y --burn-in 1
 expect 0 parse-facade --help
 says out '^Example: parse-facade'
@@ -316,9 +349,7 @@ parse-facade g.sg -u f.rf pipe set/images/f-0005.png -o early --quiet >out 2>err
 pid=$!
 for _ in $(seq 100); do [ -e early/classes.tsv ] && break; sleep 0.1; done
 kill -INT $pid
-echo nothing >pipe & # is opened twice: for what it is, and to be read
-sleep 1
-kill -0 $pid 2>/dev/null && timeout 10 sh -c 'echo nothing >pipe'
+timeout 10 sh -c 'echo nothing >pipe'
 wait $pid
 [ $? = 5 ] || fail 'an early interrupt does not end with 5'
 says err 'stopped before a photograph was parsed'

@@ -448,8 +448,8 @@ START_TEST(temperature_is_found)
     const sg_pixel_weights w = equal_weights();
     const sg_calibration none = SG_CALIBRATION_NONE;
     sg_calibration c, again;
-    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 1, NULL, &c, &err));
-    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 3, NULL, &again, &err));
+    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 1, NULL, NULL, &c, &err));
+    ck_ok(sg_pixel_calibration_fit(&j, f, &w, false, 3, NULL, NULL, &again, &err));
     ck_assert_double_eq(c.temperature, again.temperature);
     ck_assert(c.fitted);
     ck_assert_double_eq(c.exponent, 0);
@@ -472,7 +472,7 @@ START_TEST(exponent_has_the_best_accuracy)
     const sg_pixel_weights w = equal_weights();
     sg_calibration c;
     sg_pixel_tradeoff curve[SG_PIXEL_EXPONENTS];
-    ck_ok(sg_pixel_calibration_fit(&j, f, &w, true, 2, curve, &c, &err));
+    ck_ok(sg_pixel_calibration_fit(&j, f, &w, true, 2, NULL, curve, &c, &err));
     ck_assert_double_eq_tol(c.exponent, 0.6, 0.2); /* what was done to them is undone */
     const sg_pixel_score best = sg_pixel_score_of(&j, &c, f, &w);
     for (int i = 0; i <= 40; i++) {
@@ -512,7 +512,7 @@ START_TEST(score_is_what_a_hand_finds)
     ck_assert_double_eq_tol(s.log_loss, -(log(0.3) + log(0.7)) / 2, 1e-6);
     ck_assert(isnan(sg_pixel_score_of(&none, &plain, f, &w).overall));
     sg_calibration c;
-    ck_assert_int_eq(sg_pixel_calibration_fit(&none, f, &w, true, 1, NULL, &c, &err), SG_EINVAL);
+    ck_assert_int_eq(sg_pixel_calibration_fit(&none, f, &w, true, 1, NULL, NULL, &c, &err), SG_EINVAL);
 }
 END_TEST
 

@@ -251,6 +251,12 @@ bool sg_file_name_fits(const char *folder, const char *name, const char *ending)
     return (most < 0 || n <= (size_t)most) && strlen(folder) + 1 + n < sizeof out->path;
 }
 
+char *sg_file_stem(const char *path, sg_arena *arena)
+{
+    const char *slash = strrchr(path, '/'), *base = slash != NULL ? slash + 1 : path, *dot = strrchr(base, '.');
+    return sg_arena_printf(arena, "%.*s", dot != NULL && dot > base ? (int)(dot - base) : (int)strlen(base), base);
+}
+
 bool sg_file_exists(const char *path)
 {
     struct stat st;

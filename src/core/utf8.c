@@ -28,3 +28,11 @@ bool sg_utf8_is(const char *text, size_t n)
     }
     return true;
 }
+
+bool sg_text_has_control(const char *text)
+{
+    for (const unsigned char *p = (const unsigned char *)text; *p != '\0'; p++)
+        if (*p < ' ' || *p == 127)
+            return true;
+    return false;
+}

@@ -12,4 +12,7 @@ size_t sg_utf8_sequence(const char *text, size_t n);
 /** Are all n bytes UTF-8? */
 bool sg_utf8_is(const char *text, size_t n);
 
+/** Is there a control character (line end, tab, escape, delete) in it? Such names would break tables and terminals. */
+bool sg_text_has_control(const char *text);
+
 #endif

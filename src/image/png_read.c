@@ -62,18 +62,22 @@ static sg_status read_header(reader *r)
     return SG_OK;
 }
 
-static sg_status open_file(const char *path, reader *r, sg_error *err)
+static sg_status open_stream(FILE *fp, const char *path, reader *r, sg_error *err)
 {
     memset(r, 0, sizeof *r);
     r->path = path;
     r->err = err;
-    r->fp = fopen(path, "rb");
-    if (r->fp == NULL)
-        return SG_FAIL(err, SG_EINPUT, "%s: %s", path, strerror(errno));
+    r->fp = fp;
     const sg_status st = read_header(r);
     if (st != SG_OK)
         fclose(r->fp);
     return st;
+}
+
+static sg_status open_file(const char *path, reader *r, sg_error *err)
+{
+    FILE *fp = fopen(path, "rb");
+    return fp != NULL ? open_stream(fp, path, r, err) : SG_FAIL(err, SG_EINPUT, "%s: %s", path, strerror(errno));
 }
 
 /* ---- libpng's callbacks ---- */
@@ -250,13 +254,34 @@ static void flatten(uint8_t *pixels, size_t npixels)
     }
 }
 
+/* The stream is closed. */
+static sg_status read_rgb(reader *r, sg_image *out)
+{
+    SG_TRY(decode_file(r, 4, decode_rgba));
+    flatten(r->pixels, r->width * r->height);
+    uint8_t *smaller = realloc(r->pixels, 3 * r->width * r->height);
+    *out = (sg_image){r->width, r->height, smaller != NULL ? smaller : r->pixels};
+    return SG_OK;
+}
+
 sg_status sg_png_read_rgb(const char *path, sg_image *out, sg_error *err)
 {
     reader r;
     SG_TRY(open_file(path, &r, err));
-    SG_TRY(decode_file(&r, 4, decode_rgba));
-    flatten(r.pixels, r.width * r.height);
-    uint8_t *smaller = realloc(r.pixels, 3 * r.width * r.height);
-    *out = (sg_image){r.width, r.height, smaller != NULL ? smaller : r.pixels};
-    return SG_OK;
+    return read_rgb(&r, out);
+}
+
+bool sg_png_is(const uint8_t *bytes, size_t n)
+{
+    return n >= 8 && memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) == 0;
+}
+
+sg_status sg_png_decode_rgb(uint8_t *bytes, size_t n, const char *name, sg_image *out, sg_error *err)
+{
+    reader r;
+    FILE *fp = fmemopen(bytes, n, "rb");
+    if (fp == NULL)
+        return SG_FAIL_NOMEM(err);
+    SG_TRY(open_stream(fp, name, &r, err));
+    return read_rgb(&r, out);
 }

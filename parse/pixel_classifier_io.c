@@ -14,7 +14,7 @@
  */
 #include "config.h"
 
-#include "core/array.h"
+#include "core/bytes.h"
 #include "core/file.h"
 #include "core/utf8.h"
 #include "parse/pixel_classifier_priv.h"
@@ -22,7 +22,6 @@
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #define MAGIC "sgforest"
 enum { FILE_VERSION = 1, HEAD = 24, MAX_NAME = 1024 }; /* bytes */
@@ -30,105 +29,59 @@ enum { FILE_VERSION = 1, HEAD = 24, MAX_NAME = 1024 }; /* bytes */
 
 /* ---- writing ---- */
 
-typedef struct {
-    unsigned char *bytes;
-    size_t n, capacity;
-    bool failed; /* memory is out: nothing more is added */
-} buffer;
-
-static void put(buffer *b, uint64_t value, size_t size)
+static void put_classes(sg_bytes *b, const sg_pixel_classifier *c)
 {
-    b->failed = b->failed || !SG_GROW(b->bytes, b->capacity, b->n + size);
-    for (size_t i = 0; !b->failed && i < size; i++)
-        b->bytes[b->n++] = (unsigned char)(value >> 8 * i);
-}
-
-static void put_u32(buffer *b, size_t value)
-{
-    put(b, value, 4);
-}
-
-static void put_f32(buffer *b, float value)
-{
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put(b, bits, 4);
-}
-
-static void put_f64(buffer *b, double value)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put(b, bits, 8);
-}
-
-static void put_classes(buffer *b, const sg_pixel_classifier *c)
-{
-    put_u32(b, c->classes.nclasses);
+    sg_bytes_put_u32(b, c->classes.nclasses);
     for (size_t i = 0; i < 256; i++)
-        put(b, c->classes.class_of[i], 1);
+        sg_bytes_put(b, c->classes.class_of[i], 1);
     for (size_t i = 0; i < 256; i++)
-        put_u32(b, c->classes.index_colors[i]);
+        sg_bytes_put_u32(b, c->classes.index_colors[i]);
     for (size_t k = 0; k < c->classes.nclasses; k++) {
         const char *name = c->classes.names[k];
-        put_f64(b, c->frequency[k]);
-        put_u32(b, strlen(name));
-        for (const char *p = name; *p != '\0'; p++)
-            put(b, (unsigned char)*p, 1);
+        sg_bytes_put_f64(b, c->frequency[k]);
+        sg_bytes_put_u32(b, strlen(name));
+        sg_bytes_put_text(b, name);
     }
 }
 
-static void put_forest(buffer *b, const sg_forest *f)
+static void put_forest(sg_bytes *b, const sg_forest *f)
 {
-    put_u32(b, f->nfeatures);
-    put_u32(b, f->nclasses);
-    put_u32(b, f->ntrees);
-    put_u32(b, f->nnodes);
-    put_u32(b, f->nleaves);
+    sg_bytes_put_u32(b, f->nfeatures);
+    sg_bytes_put_u32(b, f->nclasses);
+    sg_bytes_put_u32(b, f->ntrees);
+    sg_bytes_put_u32(b, f->nnodes);
+    sg_bytes_put_u32(b, f->nleaves);
     for (size_t t = 0; t <= f->ntrees; t++)
-        put_u32(b, f->roots[t]);
+        sg_bytes_put_u32(b, f->roots[t]);
     for (size_t i = 0; i < f->nnodes; i++) {
-        put_f32(b, f->nodes[i].threshold);
-        put_u32(b, f->nodes[i].feature);
-        put_u32(b, f->nodes[i].child);
+        sg_bytes_put_f32(b, f->nodes[i].threshold);
+        sg_bytes_put_u32(b, f->nodes[i].feature);
+        sg_bytes_put_u32(b, f->nodes[i].child);
     }
     for (size_t i = 0; i < f->nleaves * f->nclasses; i++)
-        put_f32(b, f->leaves[i]);
+        sg_bytes_put_f32(b, f->leaves[i]);
 }
 
-static void put_all(buffer *b, const sg_pixel_classifier *c)
+static void put_all(sg_bytes *b, const sg_pixel_classifier *c)
 {
-    put_u32(b, (size_t)c->features.kind);
-    put_u32(b, c->features.patch);
-    put_u32(b, c->features.version);
-    put_u32(b, c->balanced);
-    put_u32(b, c->calibration.fitted);
-    put_f64(b, c->calibration.temperature);
-    put_f64(b, c->calibration.exponent);
+    sg_bytes_put_u32(b, (size_t)c->features.kind);
+    sg_bytes_put_u32(b, c->features.patch);
+    sg_bytes_put_u32(b, c->features.version);
+    sg_bytes_put_u32(b, c->balanced);
+    sg_bytes_put_u32(b, c->calibration.fitted);
+    sg_bytes_put_f64(b, c->calibration.temperature);
+    sg_bytes_put_f64(b, c->calibration.exponent);
     put_classes(b, c);
     put_forest(b, &c->forest);
 }
 
-/* zlib counts in 32 bits on some systems. */
-static uint32_t checksum(const unsigned char *bytes, size_t n)
-{
-    uLong crc = crc32(0, NULL, 0);
-    for (size_t i = 0; i < n;) {
-        const size_t part = n - i < 1u << 30 ? n - i : 1u << 30;
-        crc = crc32(crc, bytes + i, (uInt)part);
-        i += part;
-    }
-    return (uint32_t)crc;
-}
-
-static sg_status write_parts(const char *path, buffer *head, const buffer *body, sg_error *err)
+static sg_status write_parts(const char *path, sg_bytes *head, const sg_bytes *body, sg_error *err)
 {
     sg_output out;
-    for (const char *p = MAGIC; *p != '\0'; p++)
-        put(head, (unsigned char)*p, 1);
-    put_u32(head, FILE_VERSION);
-    put_u32(head, checksum(body->bytes, body->n));
-    put(head, body->n, 8);
+    sg_bytes_put_text(head, MAGIC);
+    sg_bytes_put_u32(head, FILE_VERSION);
+    sg_bytes_put_u32(head, sg_bytes_checksum(body->bytes, body->n));
+    sg_bytes_put(head, body->n, 8);
     if (head->failed || body->failed)
         return SG_FAIL_NOMEM(err);
     SG_TRY(sg_output_open(&out, path, err));
@@ -139,54 +92,19 @@ static sg_status write_parts(const char *path, buffer *head, const buffer *body,
 
 sg_status sg_pixel_classifier_write(const char *path, const sg_pixel_classifier *c, sg_error *err)
 {
-    buffer head = {NULL, 0, 0, false}, body = {NULL, 0, 0, false};
+    sg_bytes head = {0}, body = {0};
     put_all(&body, c);
     const sg_status st = write_parts(path, &head, &body, err);
-    free(head.bytes);
-    free(body.bytes);
+    sg_bytes_clear(&head);
+    sg_bytes_clear(&body);
     return st;
 }
 
 /* ---- reading ---- */
 
-typedef struct {
-    const unsigned char *next;
-    size_t left;
-    bool failed; /* the bytes are used up */
-} cursor;
-
-static uint64_t get(cursor *c, size_t size)
+static size_t left(const sg_byte_reader *c)
 {
-    uint64_t value = 0;
-    c->failed = c->failed || c->left < size;
-    if (c->failed)
-        return 0;
-    for (size_t i = 0; i < size; i++)
-        value |= (uint64_t)c->next[i] << 8 * i;
-    c->next += size;
-    c->left -= size;
-    return value;
-}
-
-static uint32_t get_u32(cursor *c)
-{
-    return (uint32_t)get(c, 4);
-}
-
-static float get_f32(cursor *c)
-{
-    const uint32_t bits = get_u32(c);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static double get_f64(cursor *c)
-{
-    const uint64_t bits = get(c, 8);
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    return c->n - c->at;
 }
 
 static sg_status no_sense(sg_error *err, const char *what)
@@ -202,18 +120,17 @@ static bool is_good_name(const char *name, size_t n)
     return name[0] != '#' && strcmp(name, "ignore") != 0 && sg_utf8_is(name, n);
 }
 
-static sg_status get_name(cursor *c, sg_classes *classes, sg_error *err)
+static sg_status get_name(sg_byte_reader *c, sg_classes *classes, sg_error *err)
 {
-    const size_t n = get_u32(c);
-    if (c->failed || n == 0 || n > MAX_NAME || n > c->left)
+    const size_t n = sg_bytes_get_u32(c);
+    if (c->failed || n == 0 || n > MAX_NAME || n > left(c))
         return no_sense(err, "a class name of no length that could be");
     char *name = malloc(n + 1);
     if (name == NULL)
         return SG_FAIL_NOMEM(err);
-    memcpy(name, c->next, n);
+    memcpy(name, c->bytes + c->at, n);
     name[n] = '\0';
-    c->next += n;
-    c->left -= n;
+    c->at += n;
     if (!is_good_name(name, n) || sg_classes_find(classes, name) >= 0) {
         free(name);
         return no_sense(err, "a class name that is none");
@@ -238,80 +155,79 @@ static sg_status find_first_indices(sg_classes *classes, size_t nclasses, sg_err
     return found == nclasses ? SG_OK : no_sense(err, "a class that has no pixel index");
 }
 
-static sg_status get_classes(cursor *c, sg_pixel_classifier *to, sg_error *err)
+static sg_status get_classes(sg_byte_reader *c, sg_pixel_classifier *to, sg_error *err)
 {
-    const size_t n = get_u32(c);
+    const size_t n = sg_bytes_get_u32(c);
     for (size_t i = 0; i < 256; i++)
-        to->classes.class_of[i] = (uint8_t)get(c, 1);
+        to->classes.class_of[i] = (uint8_t)sg_bytes_get(c, 1);
     for (size_t i = 0; i < 256; i++)
-        to->classes.index_colors[i] = get_u32(c) & 0xffffff;
+        to->classes.index_colors[i] = sg_bytes_get_u32(c) & 0xffffff;
     if (c->failed || n == 0 || n > SG_MAX_CLASSES)
         return no_sense(err, "it has no classes");
     for (size_t k = 0; k < n; k++) {
-        to->frequency[k] = get_f64(c);
+        to->frequency[k] = sg_bytes_get_f64(c);
         SG_TRY(get_name(c, &to->classes, err));
     }
     return find_first_indices(&to->classes, n, err);
 }
 
-static sg_status get_forest(cursor *c, sg_forest *f, sg_error *err)
+static sg_status get_forest(sg_byte_reader *c, sg_forest *f, sg_error *err)
 {
-    const size_t nfeatures = get_u32(c), nclasses = get_u32(c), ntrees = get_u32(c), nnodes = get_u32(c),
-                 nleaves = get_u32(c);
+    const size_t nfeatures = sg_bytes_get_u32(c), nclasses = sg_bytes_get_u32(c), ntrees = sg_bytes_get_u32(c), nnodes = sg_bytes_get_u32(c),
+                 nleaves = sg_bytes_get_u32(c);
     /* 32-bit sizes: neither product nor sum overflows 64 bits, and nothing is allocated that the file cannot fill */
-    if (c->failed || nclasses > SG_MAX_CLASSES || c->left != 4 * (ntrees + 1 + 3 * nnodes + nleaves * nclasses))
+    if (c->failed || nclasses > SG_MAX_CLASSES || left(c) != 4 * (ntrees + 1 + 3 * nnodes + nleaves * nclasses))
         return no_sense(err, "tables of other sizes than it says");
     sg_error inner = SG_ERROR_INIT;
     const sg_status st = sg_forest_create(nfeatures, nclasses, ntrees, nnodes, nleaves, f, &inner);
     if (st != SG_OK)
         return st == SG_ENOMEM ? SG_FAIL_NOMEM(err) : SG_FAIL(err, SG_EINPUT, "%s", inner.msg);
     for (size_t t = 0; t <= ntrees; t++)
-        f->roots[t] = get_u32(c);
+        f->roots[t] = sg_bytes_get_u32(c);
     for (size_t i = 0; i < nnodes; i++) {
-        f->nodes[i].threshold = get_f32(c);
-        f->nodes[i].feature = get_u32(c);
-        f->nodes[i].child = get_u32(c);
+        f->nodes[i].threshold = sg_bytes_get_f32(c);
+        f->nodes[i].feature = sg_bytes_get_u32(c);
+        f->nodes[i].child = sg_bytes_get_u32(c);
     }
     for (size_t i = 0; i < nleaves * nclasses; i++)
-        f->leaves[i] = get_f32(c);
+        f->leaves[i] = sg_bytes_get_f32(c);
     return SG_OK;
 }
 
-static sg_status get_all(cursor *c, sg_pixel_classifier *to, sg_error *err)
+static sg_status get_all(sg_byte_reader *c, sg_pixel_classifier *to, sg_error *err)
 {
-    const uint32_t kind = get_u32(c);
+    const uint32_t kind = sg_bytes_get_u32(c);
     if (kind > SG_FEATURES_RICH)
         return no_sense(err, "features of a kind that is not known here");
     to->features.kind = (sg_feature_kind)kind;
-    to->features.patch = get_u32(c);
-    to->features.version = get_u32(c);
-    to->balanced = get_u32(c) != 0;
-    to->calibration.fitted = get_u32(c) != 0;
-    to->calibration.temperature = get_f64(c);
-    to->calibration.exponent = get_f64(c);
+    to->features.patch = sg_bytes_get_u32(c);
+    to->features.version = sg_bytes_get_u32(c);
+    to->balanced = sg_bytes_get_u32(c) != 0;
+    to->calibration.fitted = sg_bytes_get_u32(c) != 0;
+    to->calibration.temperature = sg_bytes_get_f64(c);
+    to->calibration.exponent = sg_bytes_get_f64(c);
     SG_TRY(get_classes(c, to, err));
     SG_TRY(get_forest(c, &to->forest, err));
     return sg_pixel_classifier_check(to, err);
 }
 
-static sg_status check_head(cursor *c, sg_error *err)
+static sg_status check_head(sg_byte_reader *c, sg_error *err)
 {
-    if (c->left < HEAD || memcmp(c->next, MAGIC, strlen(MAGIC)) != 0)
-        return SG_FAIL(err, SG_EINPUT, c->left < HEAD && memcmp(c->next, MAGIC, c->left < 8 ? c->left : 8) == 0
+    if (left(c) < HEAD || memcmp(c->bytes + c->at, MAGIC, strlen(MAGIC)) != 0)
+        return SG_FAIL(err, SG_EINPUT, left(c) < HEAD && memcmp(c->bytes + c->at, MAGIC, left(c) < 8 ? left(c) : 8) == 0
                                            ? "the file is cut short"
                                            : "not a pixel classifier (*.rf)");
-    c->next += strlen(MAGIC);
-    c->left -= strlen(MAGIC);
-    const uint32_t version = get_u32(c), crc = get_u32(c);
-    const uint64_t length = get(c, 8);
+    c->at += strlen(MAGIC);
+    const uint32_t version = sg_bytes_get_u32(c), crc = sg_bytes_get_u32(c);
+    const uint64_t length = sg_bytes_get(c, 8);
     if (version != FILE_VERSION)
         return SG_FAIL(err, SG_EINPUT, "a pixel classifier of version %u; this program knows version %d",
                        (unsigned)version, FILE_VERSION);
-    if (c->left != length)
-        return SG_FAIL(err, SG_EINPUT, c->left < length ? "the file is cut short: %zu of %llu bytes"
+    if (left(c) != length)
+        return SG_FAIL(err, SG_EINPUT, left(c) < length ? "the file is cut short: %zu of %llu bytes"
                                                         : "the file is too long: %zu bytes in place of %llu",
-                       c->left + HEAD, (unsigned long long)length + HEAD);
-    if (checksum(c->next, c->left) != crc)
+                       left(c) + HEAD, (unsigned long long)length + HEAD);
+    if (sg_bytes_checksum(c->bytes + c->at, left(c)) != crc)
         return SG_FAIL(err, SG_EINPUT, "the file is damaged: its checksum does not hold");
     return SG_OK;
 }
@@ -322,7 +238,7 @@ static sg_status read_bytes(const char *path, sg_arena *arena, sg_pixel_classifi
     size_t n;
     sg_error inner = SG_ERROR_INIT;
     SG_TRY(sg_file_read(path, FILE_LIMIT, arena, &text, &n, err));
-    cursor c = {(const unsigned char *)text, n, false};
+    sg_byte_reader c = {(const unsigned char *)text, n, 0, false};
     sg_status st = check_head(&c, &inner);
     if (st == SG_OK)
         st = get_all(&c, to, &inner);

@@ -21,6 +21,18 @@ void sg_bytes_put(sg_bytes *b, uint64_t value, size_t size)
         b->bytes[b->n++] = (unsigned char)(value >> 8 * i);
 }
 
+void sg_bytes_put_u32(sg_bytes *b, size_t value)
+{
+    sg_bytes_put(b, value, 4);
+}
+
+void sg_bytes_put_f32(sg_bytes *b, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    sg_bytes_put(b, bits, 4);
+}
+
 void sg_bytes_put_f64(sg_bytes *b, double value)
 {
     uint64_t bits;
@@ -49,6 +61,14 @@ uint64_t sg_bytes_get(sg_byte_reader *r, size_t size)
 uint32_t sg_bytes_get_u32(sg_byte_reader *r)
 {
     return (uint32_t)sg_bytes_get(r, 4);
+}
+
+float sg_bytes_get_f32(sg_byte_reader *r)
+{
+    const uint32_t bits = sg_bytes_get_u32(r);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
 }
 
 double sg_bytes_get_f64(sg_byte_reader *r)

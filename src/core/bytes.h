@@ -17,6 +17,8 @@ typedef struct {
 void sg_bytes_clear(sg_bytes *b);
 /** Append the lowest `size` (at most 8) bytes of value. */
 void sg_bytes_put(sg_bytes *b, uint64_t value, size_t size);
+void sg_bytes_put_u32(sg_bytes *b, size_t value);
+void sg_bytes_put_f32(sg_bytes *b, float value);
 void sg_bytes_put_f64(sg_bytes *b, double value);
 void sg_bytes_put_text(sg_bytes *b, const char *text);
 
@@ -30,6 +32,7 @@ typedef struct {
 /** The next number of `size` (at most 8) bytes. */
 uint64_t sg_bytes_get(sg_byte_reader *r, size_t size);
 uint32_t sg_bytes_get_u32(sg_byte_reader *r);
+float sg_bytes_get_f32(sg_byte_reader *r);
 double sg_bytes_get_f64(sg_byte_reader *r);
 
 /** CRC-32, as zlib has it. */

@@ -56,13 +56,12 @@ static bool plain_successor(const sg_op *op)
     return op->kind == SG_OP_SUCCESSOR && op->nargs == 0;
 }
 
-static bool is_flat_split(const sg_rule *r)
+static bool is_drawn_split(const sg_rule *r)
 {
-    const sg_op *split = r->ops;
-    if (split->kind != SG_OP_SPLIT || split->length != r->nops || split->nparts < 2 || split->axis == SG_AXIS_Z)
+    if (!sg_rule_is_flat_split(r) || r->ops->nparts < 2)
         return false;
-    for (const sg_op *part = split + 1; part < split + split->length; part += part->length)
-        if (part->length != 2 || part->size != SG_SIZE_DRAWN || !plain_successor(part + 1))
+    for (const sg_op *part = r->ops + 1; part < r->ops + r->nops; part += part->length)
+        if (part->size != SG_SIZE_DRAWN || !plain_successor(part + 1))
             return false;
     return r->ndraws == 1 && r->draws[0].kind == SG_DRAW_SIMPLEX && r->draws[0].simplex != NULL;
 }
@@ -83,7 +82,7 @@ static sg_status add_parts(sg_switcher *w, const sg_rule *r, flat_rule *flat, sg
 static sg_status look_at_rule(sg_switcher *w, const sg_rule *r, flat_rule *flat, sg_error *err)
 {
     const bool one = r->nops == 1 && plain_successor(r->ops) && r->ndraws == 0;
-    if (r->has_repeat || r->nops == 0 || r->guard != SG_NONE || !(one || is_flat_split(r)))
+    if (r->has_repeat || r->nops == 0 || r->guard != SG_NONE || !(one || is_drawn_split(r)))
         return SG_OK;
     flat->n = one ? 1 : r->ops->nparts;
     if (!one) {

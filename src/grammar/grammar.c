@@ -303,3 +303,14 @@ sg_status sg_rule_child_count(const sg_grammar *g, const sg_rule *r, const doubl
     *n = 0;
     return count_children(g, r, 0, r->nops, 1, frame, depth, &seen, n, err);
 }
+
+bool sg_rule_is_flat_split(const sg_rule *r)
+{
+    const sg_op *split = r->ops;
+    if (r->nops == 0 || split->kind != SG_OP_SPLIT || split->length != r->nops || split->nparts == 0 || split->axis == SG_AXIS_Z)
+        return false;
+    for (const sg_op *part = split + 1; part < split + split->length; part += part->length)
+        if (part->length != 2 || part[1].kind != SG_OP_SUCCESSOR)
+            return false;
+    return true;
+}

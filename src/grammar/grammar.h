@@ -162,4 +162,7 @@ sg_status sg_op_repeat_count(const sg_grammar *g, const sg_op *op, const double 
 sg_status sg_rule_child_count(const sg_grammar *g, const sg_rule *r, const double *frame, double depth, size_t *n,
                               sg_error *err);
 
+/** Is the body one split across the picture plane (x or y), each of whose parts holds one successor and nothing else? */
+bool sg_rule_is_flat_split(const sg_rule *r);
+
 #endif

@@ -20,16 +20,15 @@ static bool is_child(const sg_op *op)
     return op->kind == SG_OP_SUCCESSOR && op->child != SG_NONE;
 }
 
-/* One split whose parts hold a child each, with shares that the scope's length has no part in. */
-static bool is_flat_split(const sg_grammar *g, const sg_rule *r)
+/* A flat split whose parts hold a child each, with shares that the scope's length has no part in. */
+static bool is_shared_out(const sg_grammar *g, const sg_rule *r)
 {
-    const sg_op *split = r->ops;
     double size;
-    if (split->kind != SG_OP_SPLIT || split->length != r->nops || split->axis == SG_AXIS_Z || split->nparts == 0)
+    if (!sg_rule_is_flat_split(r))
         return false;
-    const bool drawn = split[1].size == SG_SIZE_DRAWN;
-    for (const sg_op *part = split + 1; part < split + split->length; part += part->length) {
-        if (part->length != 2 || !is_child(part + 1) || (part->size == SG_SIZE_DRAWN) != drawn)
+    const bool drawn = r->ops[1].size == SG_SIZE_DRAWN;
+    for (const sg_op *part = r->ops + 1; part < r->ops + r->nops; part += part->length) {
+        if (!is_child(part + 1) || (part->size == SG_SIZE_DRAWN) != drawn)
             return false;
         if (!drawn && (part->size == SG_SIZE_ABSOLUTE || !sg_grammar_constant(g, part->args[0], &size)))
             return false;
@@ -98,7 +97,7 @@ static sg_status plan_rule(sg_label_target *t, const sg_rule *r, sg_label_plan *
     *plan = (sg_label_plan){.kind = SG_PLAN_BODY, .cuts = BOTH};
     if (r->nops == 1 && r->ops[0].kind == SG_OP_SUCCESSOR && r->ops[0].child == SG_NONE)
         *plan = (sg_label_plan){.kind = SG_PLAN_LABEL, .channel = t->channel[r->ops[0].symbol]};
-    else if (r->nops > 0 && ((r->nops == 1 && is_child(r->ops)) || is_flat_split(t->g, r)))
+    else if (r->nops > 0 && ((r->nops == 1 && is_child(r->ops)) || is_shared_out(t->g, r)))
         return plan_split(t, r, plan, err);
     return SG_OK;
 }

@@ -133,6 +133,13 @@ typedef struct sg_ast_label {
     struct sg_ast_label *next;
 } sg_ast_label;
 
+/** import NAME "FILE". */
+typedef struct sg_ast_import {
+    const char *name, *file;
+    sg_pos at, file_at;
+    struct sg_ast_import *next;
+} sg_ast_import;
+
 typedef struct {
     const char *name; /* NULL: not given */
     sg_pos name_at;
@@ -140,6 +147,7 @@ typedef struct {
     size_t limit;
     sg_pos limit_at, tied_at, weights_at;
     sg_ast_item *start; /* a CALL, or NULL */
+    sg_ast_import *imports, *last_import; /* what they bring is in the lists below once they are read */
     sg_ast_definition *definitions, *last_definition;
     sg_ast_label *labels, *last_label;
     sg_ast_rule *rules, *last_rule;

@@ -4,6 +4,7 @@
 
 #include "core/file.h"
 #include "grammar/grammar_priv.h"
+#include "grammar/import.h"
 #include "grammar/parse_priv.h"
 #include "grammar/split.h"
 #include "grammar/split_priv.h"
@@ -24,12 +25,13 @@ static sg_status parse_language(const char *text, size_t length, const char *nam
     if (p == NULL || ast == NULL || copy == NULL)
         return SG_FAIL_NOMEM(err);
     memcpy(copy, text, length);
-    p->source = (sg_source){name, text, length};
+    p->source = (sg_source){.name = name, .text = text, .length = length};
     p->arena = arena;
     p->ast = ast;
     p->err = err;
     SG_TRY(sg_source_check(&p->source, err));
-    SG_TRY(sg_parse_text(p, copy));
+    SG_TRY(sg_parse_text(p, copy, length));
+    SG_TRY(sg_import_all(p, MAX_FILE));
     return sg_grammar_build(arena, ast, &p->source, out, err);
 }
 

@@ -9,6 +9,7 @@
 
 typedef struct {
     sg_source source;
+    size_t base; /* where the text begins in the source's */
     sg_arena *arena;
     sg_ast *ast;
     sg_error *err;
@@ -22,9 +23,9 @@ typedef struct {
     size_t pool_used;
 } sg_parse;
 
-/** Parse text (source.length bytes at text, which two more NULs follow; it is scribbled on and must not be the source's)
- *  into an empty tree. @return SG_OK, SG_EINPUT, SG_ENOMEM */
-sg_status sg_parse_text(sg_parse *p, char *text);
+/** Parse text (length bytes, which two more NULs follow; it is scribbled on and must not be the source's) into an empty
+ *  tree. @return SG_OK, SG_EINPUT, SG_ENOMEM */
+sg_status sg_parse_text(sg_parse *p, char *text, size_t length);
 
 /** Fail at a place, unless something failed before. */
 void sg_parse_fail(sg_parse *p, sg_pos at, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -66,6 +66,7 @@ static void declare_start(sg_parse *p, sg_ast_item *call);
 static void add_definition(sg_parse *p, const char *name, bool is_function, sg_ast_names params, sg_ast_expr *value,
                            sg_pos at);
 static void add_label(sg_parse *p, const char *name, bool has_color, uint32_t color, sg_pos at);
+static void add_import(sg_parse *p, const char *name, const char *file, sg_pos at, sg_pos file_at);
 static void add_rule(sg_parse *p, sg_ast_rule head, sg_ast_alternatives alternatives);
 static sg_ast_names add_name(sg_parse *p, sg_ast_names list, const char *name, sg_pos at);
 static sg_ast_item *block(sg_parse *p, sg_item_kind kind, const char *name, sg_ast_expr *arg, sg_ast_item *items,
@@ -92,6 +93,7 @@ static void set_sizes(sg_parse *p, sg_ast_matrix **slot, sg_ast_matrix *m, const
 }
 
 %token GRAMMAR "'grammar'" LIMIT "'limit'" TIED "'tied'" WEIGHTS "'weights'" CONST "'const'" FUNCTION "'function'"
+%token IMPORT "'import'"
 %token LABEL "'label'" START "'start'" RULE "'rule'" IF "'if'" AT "'at'" NOTHING "'nothing'" MAYBE "'maybe'"
 %token SPLIT "'split'" REPEAT "'repeat'" COMPONENTS "'components'" SIZES "'sizes'" MEAN "'mean'"
 %token COVARIANCE "'covariance'" SD "'sd'" EXAMPLES "'examples'" ARROW "'->'"
@@ -134,6 +136,7 @@ statement:
   | CONST NAME '=' expr         { add_definition(p, $2, false, (sg_ast_names){NULL, NULL, 0}, $4, @2); CHECK(); }
   | FUNCTION NAME '(' parameter_list ')' '=' expr
                                 { add_definition(p, $2, true, $4, $7, @2); CHECK(); }
+  | IMPORT NAME NAME            { add_import(p, $2, $3, @2, @3); CHECK(); }
   | LABEL NAME                  { add_label(p, $2, false, 0, @2); CHECK(); }
   | LABEL NAME COLOR            { add_label(p, $2, true, $3, @2); CHECK(); }
   | START call                  { declare_start(p, $2); CHECK(); }
@@ -436,6 +439,17 @@ static void add_label(sg_parse *p, const char *name, bool has_color, uint32_t co
     SG_AST_APPEND(p->ast->labels, p->ast->last_label, l);
 }
 
+static void add_import(sg_parse *p, const char *name, const char *file, sg_pos at, sg_pos file_at)
+{
+    sg_ast_import *i = SG_NEW(p->arena, sg_ast_import);
+    if (i == NULL) {
+        sg_parse_fail_nomem(p);
+        return;
+    }
+    *i = (sg_ast_import){name, file, at, file_at, NULL};
+    SG_AST_APPEND(p->ast->imports, p->ast->last_import, i);
+}
+
 static void add_rule(sg_parse *p, sg_ast_rule head, sg_ast_alternatives alternatives)
 {
     sg_ast_rule *r = SG_NEW(p->arena, sg_ast_rule);
@@ -513,7 +527,8 @@ static const token_group groups[] = {
     {"an expression", {"a number", "a name", "'('", "'-'", "'not'", "'if'"}},
     {"a successor or operation", {"a name", "'['", "'maybe'", "'repeat'", "'components'", "'split'"}},
     {"an operator", {"'or'", "'and'", "'<'", "'<='", "'>'", "'>='", "'=='", "'!='", "'+'", "'-'", "'*'", "'/'", "'^'"}},
-    {"a statement", {"'grammar'", "'limit'", "'tied'", "'weights'", "'const'", "'function'", "'label'", "'start'", "'rule'"}},
+    {"a statement", {"'grammar'", "'limit'", "'tied'", "'weights'", "'const'", "'function'", "'label'", "'start'", "'rule'",
+                     "'import'"}},
 };
 
 enum { NGROUPS = sizeof groups / sizeof *groups, MAX_EXPECTED = 64 };

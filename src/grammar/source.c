@@ -55,9 +55,27 @@ static void show_line(const sg_source *s, size_t line_begin, size_t at, char *ou
     out[n] = '\0';
 }
 
-static sg_status fail_in_text(const sg_source *s, sg_pos at, sg_error *err, const char *sentence)
+/* The file in which an offset lies, alone; *offset becomes that in it. */
+static sg_source part_at(const sg_source *s, size_t *offset)
 {
-    size_t offset = at.offset < s->length ? at.offset : s->length;
+    sg_source part = {.name = s->name, .text = s->text, .length = s->length};
+    size_t begin = 0, i = 0;
+    for (; i < s->nparts && s->parts[i].begin <= *offset; i++) {
+        part.name = s->parts[i].name;
+        begin = s->parts[i].begin;
+    }
+    const size_t end = i < s->nparts ? s->parts[i].begin - 1 : s->length;
+    part.text = s->text + begin;
+    part.length = end - begin;
+    *offset -= begin;
+    return part;
+}
+
+static sg_status fail_in_text(const sg_source *whole, sg_pos at, sg_error *err, const char *sentence)
+{
+    size_t offset = at.offset;
+    const sg_source part = part_at(whole, &offset), *s = &part;
+    offset = offset < s->length ? offset : s->length;
     /* The end of the file is shown behind the last thing in it, not on an empty line. */
     if (offset == s->length)
         while (offset > 0 && strchr(" \t\r\n", s->text[offset - 1]) != NULL)
@@ -103,5 +121,23 @@ sg_status sg_source_check(const sg_source *s, sg_error *err)
         line += c == '\n';
         i += n;
     }
+    return SG_OK;
+}
+
+sg_status sg_source_add(sg_source *s, const sg_source *other, sg_arena *arena, size_t *base, sg_error *err)
+{
+    const size_t begin = s->length + 1;
+    char *text = SG_NEW_ARRAY(arena, char, begin + other->length + 1);
+    sg_source_part *parts = SG_NEW_ARRAY(arena, sg_source_part, s->nparts + 1);
+    if (text == NULL || parts == NULL)
+        return SG_FAIL_NOMEM(err);
+    memcpy(text, s->text, s->length);
+    text[s->length] = '\n';
+    memcpy(text + begin, other->text, other->length);
+    if (s->nparts > 0)
+        memcpy(parts, s->parts, s->nparts * sizeof *parts);
+    parts[s->nparts] = (sg_source_part){other->name, begin};
+    *s = (sg_source){s->name, text, begin + other->length, parts, s->nparts + 1};
+    *base = begin;
     return SG_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef SG_GRAMMAR_SOURCE_H
 #define SG_GRAMMAR_SOURCE_H
 
+#include "core/arena.h"
 #include "core/status.h"
 
 #include <stdarg.h>
@@ -15,11 +16,23 @@ typedef struct {
     uint32_t line;   /* from 1 */
 } sg_pos;
 
+/** A file whose text is a part of a source's. */
+typedef struct {
+    const char *name;
+    size_t begin;
+} sg_source_part;
+
 typedef struct {
     const char *name; /* of the file, for messages */
     const char *text; /* NULL when there is none: then errors name a rule */
     size_t length;
+    const sg_source_part *parts; /* files whose texts were added, in order; before the first is the text of `name` */
+    size_t nparts;
 } sg_source;
+
+/** Add the text of another file; positions in it are those in the whole text, which begin at *base, with their own lines.
+ *  @return SG_OK, SG_ENOMEM */
+sg_status sg_source_add(sg_source *s, const sg_source *other, sg_arena *arena, size_t *base, sg_error *err);
 
 /** Write "NAME:LINE:COL: error: sentence", the line and a caret under it into err; columns count characters, from 1.
  *  @return SG_EINPUT */

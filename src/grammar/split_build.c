@@ -30,7 +30,7 @@ static sg_status check_name(const maker *m, const char *name, const char *what)
 {
     if (name == NULL || name[0] == '\0')
         return sg_source_fail(&m->source, (sg_pos){0, 0}, m->err, "a %s without a name", what);
-    const sg_source text = {m->source.name, name, strlen(name)};
+    const sg_source text = {.name = m->source.name, .text = name, .length = strlen(name)};
     sg_error inner = SG_ERROR_INIT;
     if (strchr(name, '\n') != NULL || sg_source_check(&text, &inner) != SG_OK)
         return sg_source_fail(&m->source, (sg_pos){0, 0}, m->err, "the name of a %s is no line of UTF-8 text", what);
@@ -279,7 +279,7 @@ sg_status sg_split_build(const sg_split_form *form, const char *name, sg_grammar
     sg_ast *ast = arena != NULL ? SG_NEW(arena, sg_ast) : NULL;
     sg_status st = SG_OK;
     if (ast != NULL) {
-        maker m = {form, arena, ast, {name, NULL, 0}, NULL, NULL, NULL, err};
+        maker m = {form, arena, ast, {.name = name}, NULL, NULL, NULL, err};
         st = make_tree(&m);
         if (st == SG_OK)
             st = sg_grammar_build(arena, ast, &m.source, out, err);

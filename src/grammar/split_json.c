@@ -375,7 +375,7 @@ sg_status sg_split_form_read_json(const char *text, size_t length, const char *n
                                   sg_split_form *out, sg_error *err)
 {
     json_error_t at;
-    const sg_source source = {name, text, length};
+    const sg_source source = {.name = name, .text = text, .length = length};
     json_t *root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &at);
     if (root == NULL)
         return at.text[0] == '\0' || json_error_code(&at) == json_error_out_of_memory /* it says nothing then */
@@ -383,7 +383,7 @@ sg_status sg_split_form_read_json(const char *text, size_t length, const char *n
                    : sg_source_fail(&source, (sg_pos){at.position > 0 ? (uint32_t)at.position - 1 : 0, 0}, err, "%s",
                                     at.text);
     memset(out, 0, sizeof *out);
-    reader r = {{name, NULL, 0}, arena, {NULL, arena}, {NULL, arena}, out, err};
+    reader r = {{.name = name}, arena, {NULL, arena}, {NULL, arena}, out, err};
     const sg_status st = read_root(&r, root);
     sg_names_clear(&r.symbols);
     sg_names_clear(&r.terminals);

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* import_rename.h - the names of an imported grammar, made its importer's. */
+#ifndef SG_GRAMMAR_IMPORT_RENAME_H
+#define SG_GRAMMAR_IMPORT_RENAME_H
+
+#include "grammar/ast.h"
+
+/** Give every symbol, constant and function that the tree defines its name as a part of `name`: the start symbol becomes `name`
+ *  itself, X becomes name.X. Meshes are looked for in `folder` ("" for none) from then on.
+ *  @return SG_OK, SG_ENOMEM */
+sg_status sg_import_rename(sg_ast *ast, const char *name, const char *folder, sg_arena *arena);
+
+#endif

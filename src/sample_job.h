@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sample_job.h - what the files of sample-grammar share. */
+#ifndef SG_SAMPLE_JOB_H
+#define SG_SAMPLE_JOB_H
+
+#include "core/arena.h"
+#include "derivation/derivation_io.h"
+#include "sample_options.h"
+#include "scene/label_scene.h"
+#include "scene/mesh.h"
+
+typedef struct {
+    bool done;
+    size_t nodes, rects, faces;
+    double log_prior, log_density;
+} sample_stats;
+
+/** What all threads share. */
+typedef struct {
+    const sample_options *opts;
+    const sg_grammar *g;
+    sg_derivation_file stored; /* none when sampling */
+    size_t n;                  /* samples */
+    char name[256];
+    sg_classes classes;
+    uint8_t *value_of;   /* [symbols] */
+    size_t nsymbols;
+    sample_stats *stats; /* [n] */
+    float *share;        /* [n][classes], area shares */
+    sg_image *thumbs;    /* [nthumbs], the first samples */
+    size_t nthumbs, thumb_width, thumb_height;
+    size_t failed; /* lowest sample that failed, n: none */
+    sg_error err;  /* its sentence */
+} sample_job;
+
+/** Work space of one thread. */
+typedef struct {
+    sg_derivation d;
+    sg_label_scene scene;
+    sg_scene space;
+    sg_mesh mesh;
+    gsl_rng *rng;
+    sg_arena *arena;
+    double *share; /* [symbols] */
+} sample_worker;
+
+/** Does a format ask for label scenes? A grammar of models in space need not have any. */
+static inline bool sample_wants_labels(const sample_options *o)
+{
+    return (o->formats & SAMPLE_ALL_LABELS & ~(o->in_space ? (unsigned)SAMPLE_SHEET : 0)) != 0;
+}
+
+/** Never what is read: -o may name the folder it stands in. @return SG_OK, SG_EINVAL */
+sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error *err);
+/** The folder, those in it, and the class table. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
+sg_status sample_make_folders(const sample_job *j, sg_error *err);
+/** All files of sample i, which the worker holds, and the picture of models in space for the sheet. @return SG_OK, SG_EINVAL, SG_ENUMERIC, SG_EIO, SG_ENOMEM */
+sg_status sample_write(const sample_job *j, sample_worker *w, size_t i, sg_error *err);
+/** How many pictures the sheet has, and how large they are. */
+void sample_plan_sheet(sample_job *j);
+/** @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
+sg_status sample_write_sheet(sample_job *j, sg_error *err);
+/** What --json asks for. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
+sg_status sample_write_report(const sample_job *j, sg_error *err);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* light.h - the light of a sun and of the whole sky on points of a mesh, with what of it the mesh itself hides: ambient
+ * occlusion, and shadows with soft edges.
+ *
+ * Light comes from many directions, and there is a shadow map for each. Directions are those of a Halton sequence, so
+ * that any few that follow each other are spread well. What is wanted are shares of what would come if nothing stood in
+ * the way: a point that sees all of the sky has exactly 1. */
+#ifndef SG_SCENE_LIGHT_H
+#define SG_SCENE_LIGHT_H
+
+#include "scene/shadow_map.h"
+
+typedef struct {
+    double sun[3];   /* direction towards it, of length 1 */
+    double sun_size; /* half the angle that it fills, degrees: the softness of its shadows */
+    double sky[3], ground[3]; /* light of all of the sky, from above and from below, on a face that looks up or down */
+    double sun_light[3];      /* on a face that looks at it */
+    size_t map_side; /* of shadow maps, px */
+} sg_lights;
+
+/** Round, white, and soft; the sun stands where the caller puts it. */
+#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.52, 0.54, 0.57}, {0.25, 0.245, 0.24}, {0.62, 0.60, 0.56}, 1024}
+
+/** A point of a surface, and what has come to it so far. */
+typedef struct {
+    float at[3];     /* in the coordinates of the ball, lifted off the surface */
+    float normal[3]; /* of length 1 */
+    float open, whole;         /* sky light that came, and that would have come */
+    float sun_open, sun_whole; /* likewise of the sun, not weighted with the angle */
+} sg_light_point;
+
+/** Shares of the light of directions first, first + 1, ... in the sequences of sky and sun.
+ *  @param nsky, nsun  how many of each
+ *  @return SG_OK, SG_ENUMERIC, SG_ENOMEM (as sg_raster_draw()) */
+sg_status sg_light_gather(const sg_lights *lights, const sg_mesh *mesh, const sg_ball *ball, sg_shadow_map *map,
+                          size_t first_sky, size_t nsky, size_t first_sun, size_t nsun, sg_light_point *points, size_t n,
+                          sg_error *err);
+
+/** What comes to a point, in linear light: 1 is what a white face needs to be white. */
+void sg_light_sum(const sg_lights *lights, const sg_light_point *p, double *rgb);
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* raster_clip.c - triangles that reach before the near plane or too far out of the picture, by Sutherland and Hodgman,
+ * "Reentrant polygon clipping" (1974). An edge is always cut from its inner end, so that the two triangles that share it
+ * get the same corner to the last bit. */
+#include "scene/raster_priv.h"
+
+#include <string.h>
+
+enum { MOST_CORNERS = 3 + 5, PLANES = 5 };
+
+typedef struct {
+    double at[MOST_CORNERS][3];
+    int n;
+} polygon;
+
+/* How far inside of a plane a corner lies: the near one, then left, right, bottom, top of what can be drawn. */
+static double inside(const sg_raster_job *j, int plane, const double *at)
+{
+    const sg_camera *c = j->camera;
+    if (plane == 0)
+        return at[2] - c->near;
+    const int axis = (plane - 1) / 2;
+    /* A little less than the guard, for the rounding of cut corners and the sample's offset. */
+    const double guard = 1.9 * SG_RASTER_GUARD / (double)(axis == 0 ? j->raster->width : j->raster->height) - 2;
+    const double w = c->projection == SG_PROJECTION_PERSPECTIVE ? at[2] : 1;
+    return guard * c->half[axis] * w + (plane % 2 == 1 ? at[axis] : -at[axis]);
+}
+
+static void cut(const double *in, const double *out, double d_in, double d_out, double *at)
+{
+    const double t = d_in / (d_in - d_out);
+    for (int i = 0; i < 3; i++)
+        at[i] = in[i] + t * (out[i] - in[i]);
+}
+
+static void clip(const sg_raster_job *j, int plane, const polygon *p, polygon *out)
+{
+    out->n = 0;
+    for (int i = 0; i < p->n; i++) {
+        const double *a = p->at[i], *b = p->at[(i + 1) % p->n];
+        const double da = inside(j, plane, a), db = inside(j, plane, b);
+        if (da >= 0)
+            memcpy(out->at[out->n++], a, sizeof out->at[0]);
+        if ((da >= 0) != (db >= 0) && da >= 0)
+            cut(a, b, da, db, out->at[out->n++]);
+        else if ((da >= 0) != (db >= 0))
+            cut(b, a, db, da, out->at[out->n++]);
+        /* The near plane itself can be missed by a rounding; it is where it was asked to be. */
+        if (plane == 0 && out->n > 0 && out->at[out->n - 1][2] < j->camera->near)
+            out->at[out->n - 1][2] = j->camera->near;
+    }
+}
+
+void sg_raster_clipped(const sg_raster_job *j, const double (*corners)[3], uint32_t index)
+{
+    polygon p = {.n = 3}, clipped;
+    memcpy(p.at, corners, 3 * sizeof p.at[0]);
+    for (int plane = 0; plane < PLANES && p.n > 0; plane++) {
+        clip(j, plane, &p, &clipped);
+        p = clipped;
+    }
+    sg_raster_vertex v[MOST_CORNERS];
+    for (int i = 0; i < p.n; i++) {
+        v[i] = sg_raster_place(j, p.at[i]);
+        if (v[i].x == SG_RASTER_OUTSIDE)
+            return;
+    }
+    for (int i = 1; i + 1 < p.n; i++)
+        sg_raster_triangle(j->raster, v, v + i, v + i + 1, index);
+}

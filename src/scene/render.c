@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* render.c - the mean of pictures with one sample in each pixel. */
+#include "scene/render.h"
+
+#include "scene/shade.h"
+#include "scene/srgb.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* More triangles than this, and light comes from fewer directions. */
+static const size_t many_triangles = 400000;
+/* Light reflected by what is white. */
+static const double whitest = 0.9;
+
+typedef struct {
+    const sg_mesh *mesh;
+    const sg_camera *camera;
+    const sg_render_opts *opts;
+    sg_lights lights;
+    sg_ball ball;
+    double ground; /* height */
+    double background[3], on_ground[3]; /* colour, and the light on open ground */
+    double (*materials)[3];
+    size_t sky, sun; /* directions for each sample */
+    sg_raster raster;
+    sg_shadow_map map;
+    sg_shade_points seen;
+    float *sum; /* [height][width][3] */
+    sg_error *err;
+} painter;
+
+/* The sun keeps its place beside the camera, whichever way that looks. */
+static void place_sun(painter *p)
+{
+    const double degree = 0.017453292519943295, *back = p->camera->frame.x;
+    const double a = atan2(-back[2], back[0]) + p->opts->sun_azimuth * degree, e = p->opts->sun_elevation * degree;
+    p->lights = (sg_lights)SG_LIGHTS_INIT;
+    p->lights.sun[0] = sin(a) * cos(e);
+    p->lights.sun[1] = sin(e);
+    p->lights.sun[2] = cos(a) * cos(e);
+}
+
+static void plan_light(painter *p)
+{
+    const size_t triangles = 2 * p->mesh->nfaces + 1, least = 2;
+    const size_t affordable = p->opts->sky * many_triangles / triangles;
+    p->sky = affordable < p->opts->sky ? (affordable > least ? affordable : least) : p->opts->sky;
+    p->sky = p->sky < p->opts->sky ? p->sky : p->opts->sky;
+    p->sun = p->sky < p->opts->sky && p->opts->sun > 1 ? 1 : p->opts->sun;
+}
+
+static double lowest(const sg_mesh *m)
+{
+    double y = 0;
+    for (size_t i = 0; i < m->nvertices; i++)
+        y = i == 0 ? m->vertices[i][1] : fmin(y, m->vertices[i][1]);
+    return y;
+}
+
+static sg_status open_painter(painter *p, size_t width, size_t height)
+{
+    const sg_light_point open_ground = {.normal = {0, 1, 0}};
+    place_sun(p);
+    plan_light(p);
+    p->ball = sg_ball_of(p->mesh);
+    p->ground = lowest(p->mesh);
+    sg_srgb_to_linear(p->opts->background, p->background);
+    sg_light_sum(&p->lights, &open_ground, p->on_ground);
+    SG_TRY(sg_raster_create(width, height, true, &p->raster, p->err));
+    SG_TRY(sg_shadow_map_create(p->lights.map_side, &p->map, p->err));
+    p->sum = calloc(width * height, 3 * sizeof *p->sum);
+    p->materials = malloc((p->mesh->nmaterials + 1) * sizeof *p->materials);
+    if (p->sum == NULL || p->materials == NULL)
+        return SG_FAIL_NOMEM(p->err);
+    for (size_t i = 0; i < p->mesh->nmaterials; i++) {
+        sg_srgb_to_linear(p->mesh->materials[i].color, p->materials[i]);
+        for (int k = 0; k < 3; k++)
+            p->materials[i][k] *= whitest;
+    }
+    return SG_OK;
+}
+
+static void close_painter(painter *p)
+{
+    sg_raster_clear(&p->raster);
+    sg_shadow_map_clear(&p->map);
+    sg_shade_points_clear(&p->seen);
+    free(p->sum);
+    free(p->materials);
+}
+
+/* The ground has the colour of the background, and darkens by what of its light is hidden. */
+static void point_color(const painter *p, size_t i, double *rgb)
+{
+    const uint32_t material = p->seen.materials[i];
+    sg_light_sum(&p->lights, p->seen.points + i, rgb);
+    for (int k = 0; k < 3; k++)
+        rgb[k] *= material == SG_SHADE_GROUND ? p->background[k] / p->on_ground[k] : p->materials[material][k];
+}
+
+static void add_colors(painter *p)
+{
+    const size_t n = p->raster.width * p->raster.height;
+    for (size_t pixel = 0, i = 0; pixel < n; pixel++) {
+        double rgb[3] = {p->background[0], p->background[1], p->background[2]};
+        if (i < p->seen.n && p->seen.pixels[i] == pixel)
+            point_color(p, i++, rgb);
+        for (int k = 0; k < 3; k++)
+            p->sum[3 * pixel + (size_t)k] += (float)fmin(1, rgb[k]);
+    }
+}
+
+static double mirrored_bits(size_t i)
+{
+    double x = 0;
+    for (double place = 0.5; i > 0; i /= 2, place /= 2)
+        x += place * (double)(i % 2);
+    return x;
+}
+
+/* Sample s of n stands in a row and in a column of its own: Hammersley's points. */
+static sg_status add_picture(painter *p, size_t s)
+{
+    const double n = (double)p->opts->samples, offset[2] = {((double)s + 0.5) / n, mirrored_bits(s) + 0.5 / n};
+    const sg_shade_view view = {p->mesh, p->camera, &p->ball, sg_shadow_map_lift(p->lights.map_side),
+                                p->opts->ground && p->mesh->nfaces > 0 ? &p->ground : NULL};
+    sg_raster_wipe(&p->raster);
+    SG_TRY(sg_raster_draw(&p->raster, p->mesh, p->camera, offset, p->err));
+    SG_TRY(sg_shade_find(&p->raster, &view, offset, &p->seen, p->err));
+    SG_TRY(sg_light_gather(&p->lights, p->mesh, &p->ball, &p->map, s * p->sky, p->sky, s * p->sun, p->sun, p->seen.points,
+                           p->seen.n, p->err));
+    add_colors(p);
+    return SG_OK;
+}
+
+static sg_status paint(painter *p, sg_image *im)
+{
+    SG_TRY(open_painter(p, im->width, im->height));
+    for (size_t s = 0; s < p->opts->samples; s++)
+        SG_TRY(add_picture(p, s));
+    for (size_t i = 0; i < 3 * im->width * im->height; i++)
+        im->rgb[i] = sg_srgb_of_linear((double)p->sum[i] / (double)p->opts->samples);
+    return SG_OK;
+}
+
+sg_status sg_render_mesh(const sg_mesh *mesh, const sg_camera *camera, const sg_render_opts *opts, sg_image *im,
+                         sg_error *err)
+{
+    if (opts->samples < 1 || opts->samples > 256 || opts->sky > 1024 || opts->sun > 1024)
+        return SG_FAIL(err, SG_EINVAL, "a picture of %zu samples in a pixel, with light from %zu directions", opts->samples,
+                       opts->sky + opts->sun);
+    painter p = {.mesh = mesh, .camera = camera, .opts = opts, .err = err};
+    const sg_status st = paint(&p, im);
+    close_painter(&p);
+    return st;
+}

@@ -80,6 +80,38 @@ for bad in "--scope 1x1" "--scope 1x-1x1" "--scope 1x1xnan" "--scope 1x1x1x" "--
     # shellcheck disable=SC2086
     expect 2 "$sample" "$work/plant.sg" -o "$work/m6" --formats obj $bad
 done
+
+# Pictures of models in space: what is written when nothing is said, the same bytes for any number of threads, views.
+png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'; }
+listing() { find "$1" -type f | sort | xargs -n1 basename | tr '\n' ' '; }
+expect 0 "$sample" "$work/plant.sg" -n 2 -o "$work/r1" --name p --size 60x40 --threads 1
+expect 0 "$sample" "$work/plant.sg" -n 2 -o "$work/r2" --name p --size 60x40 --threads 2
+diff -r "$work/r1" "$work/r2" >/dev/null || fail "two threads draw other pictures"
+[ "$(listing "$work/r1")" = "p-0001.mtl p-0001.obj p-0001.render.png p-0002.mtl p-0002.obj p-0002.render.png sheet.png " ] ||
+    fail "of models in space there is by default: $(listing "$work/r1")"
+[ "$(png_size "$work/r1/p-0001.render.png")" = 60x40 ] || fail "a picture of another size"
+[ "$(png_size "$work/r1/sheet.png")" = 156x64 ] || fail "a sheet of another size"
+cmp -s "$work/r1/p-0001.obj" "$work/m1/p-0001.obj" || fail "drawing changes the mesh that is written"
+expect 0 "$sample" "$work/plant.sg" -n 2 -o "$work/r3" --name p --size 60x40 --formats sheet
+[ "$(listing "$work/r3")" = "sheet.png " ] && cmp -s "$work/r1/sheet.png" "$work/r3/sheet.png" || fail "a sheet alone is another"
+for view in "--view 35,-20" "--view 125,18" "--view -35,18" "--projection orthographic"; do
+    # shellcheck disable=SC2086
+    expect 0 "$sample" "$work/plant.sg" -o "$work/r4" --name p --size 60x40 --formats render $view
+    [ "$(listing "$work/r4")" = "p-0001.render.png " ] || fail "there is more than a picture: $(listing "$work/r4")"
+    cmp -s "$work/r1/p-0001.render.png" "$work/r4/p-0001.render.png" && fail "$view changes nothing"
+done
+expect 0 "$sample" "$work/plant.sg" -o "$work/r4" --name p --size 60x40 --formats render --view 35,18 --projection perspective
+cmp -s "$work/r1/p-0001.render.png" "$work/r4/p-0001.render.png" || fail "the default view is another"
+printf 'start S\nrule S -> nothing\n' >"$work/empty.sg"
+expect 0 "$sample" "$work/empty.sg" -o "$work/r5" --name empty --size 1x1
+[ "$(png_size "$work/r5/empty-0001.render.png")" = 1x1 ] || fail "an empty model has no picture"
+expect 0 "$sample" "$grammars/haussmann.sg" -o "$work/r6" --size 60x80 --scope 15x20x0 --formats render,sheet
+cmp -s "$work/r6/sheet.png" "$work/r6/haussmann-0001.render.png" && fail "the sheet of a label scene is no label map"
+for bad in "--view 35" "--view 35,91" "--view 400,0" "--view x,y" "--view 1,2,3" "--view nan,0" "--projection flat"; do
+    # shellcheck disable=SC2086
+    expect 2 "$sample" "$work/plant.sg" -o "$work/m6" $bad
+done
+[ ! -e "$work/m6" ] || fail "wrong usage leaves a folder"
 # Stored derivations, in both forms, give what was sampled, and are stored the same again.
 expect 0 "$sample" "$grammars/haussmann.sg" -n 3 -o "$work/kept" --size 60x80 --formats derivation
 [ "$(find "$work/kept" -type f | sort | xargs -n1 basename | tr '\n' ' ')" = "haussmann-0001.sgd haussmann-0002.sgd haussmann-0003.sgd " ] ||
@@ -142,7 +174,7 @@ printf 'label t\nstart S\nrule S -> 0.99 : split x { S | S } -> 0.01 : t\n' >"$w
 expect 1 "$sample" "$work/large.sg" -o "$work/h" --max-nodes 1000
 grep -q 'sample 1: .*S > S > .*more than 1000 nodes' "$work/err" || fail "no path to the error"
 printf 'label t\nstart S\nrule S -> split z { t | t }\n' >"$work/deep.sg"
-expect 1 "$sample" "$work/deep.sg" -o "$work/h"
+expect 1 "$sample" "$work/deep.sg" -o "$work/h" --formats labels
 
 # Outputs that cannot be written.
 expect 4 "$sample" "$grammars/arcade.sg" -o /dev/full

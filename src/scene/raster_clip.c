@@ -13,24 +13,33 @@ typedef struct {
     int n;
 } polygon;
 
+/* What can be drawn of an axis at a corner's depth, to both sides: a little less than the guard, for the offset of samples. */
+static double reach(const sg_raster_job *j, int axis, const double *at)
+{
+    const sg_camera *c = j->camera;
+    const double guard = 1.9 * SG_RASTER_GUARD / (double)(axis == 0 ? j->raster->width : j->raster->height) - 2;
+    return guard * c->half[axis] * (c->projection == SG_PROJECTION_PERSPECTIVE ? at[2] : 1);
+}
+
 /* How far inside of a plane a corner lies: the near one, then left, right, bottom, top of what can be drawn. */
 static double inside(const sg_raster_job *j, int plane, const double *at)
 {
-    const sg_camera *c = j->camera;
     if (plane == 0)
-        return at[2] - c->near;
+        return at[2] - j->camera->near;
     const int axis = (plane - 1) / 2;
-    /* A little less than the guard, for the rounding of cut corners and the sample's offset. */
-    const double guard = 1.9 * SG_RASTER_GUARD / (double)(axis == 0 ? j->raster->width : j->raster->height) - 2;
-    const double w = c->projection == SG_PROJECTION_PERSPECTIVE ? at[2] : 1;
-    return guard * c->half[axis] * w + (plane % 2 == 1 ? at[axis] : -at[axis]);
+    return reach(j, axis, at) + (plane % 2 == 1 ? at[axis] : -at[axis]);
 }
 
-static void cut(const double *in, const double *out, double d_in, double d_out, double *at)
+/* The corner where an edge leaves. It is put on the plane, which rounding can miss by much when the outer end is far. */
+static void cut(const sg_raster_job *j, int plane, const double *in, const double *out, double *at)
 {
-    const double t = d_in / (d_in - d_out);
+    const double d_in = inside(j, plane, in), d_out = inside(j, plane, out), t = d_in / (d_in - d_out);
     for (int i = 0; i < 3; i++)
         at[i] = in[i] + t * (out[i] - in[i]);
+    if (plane == 0)
+        at[2] = j->camera->near;
+    else
+        at[(plane - 1) / 2] = (plane % 2 == 1 ? -1 : 1) * reach(j, (plane - 1) / 2, at);
 }
 
 static void clip(const sg_raster_job *j, int plane, const polygon *p, polygon *out)
@@ -38,16 +47,13 @@ static void clip(const sg_raster_job *j, int plane, const polygon *p, polygon *o
     out->n = 0;
     for (int i = 0; i < p->n; i++) {
         const double *a = p->at[i], *b = p->at[(i + 1) % p->n];
-        const double da = inside(j, plane, a), db = inside(j, plane, b);
-        if (da >= 0)
+        const bool a_in = inside(j, plane, a) >= 0, b_in = inside(j, plane, b) >= 0;
+        if (a_in)
             memcpy(out->at[out->n++], a, sizeof out->at[0]);
-        if ((da >= 0) != (db >= 0) && da >= 0)
-            cut(a, b, da, db, out->at[out->n++]);
-        else if ((da >= 0) != (db >= 0))
-            cut(b, a, db, da, out->at[out->n++]);
-        /* The near plane itself can be missed by a rounding; it is where it was asked to be. */
-        if (plane == 0 && out->n > 0 && out->at[out->n - 1][2] < j->camera->near)
-            out->at[out->n - 1][2] = j->camera->near;
+        if (a_in && !b_in)
+            cut(j, plane, a, b, out->at[out->n++]);
+        else if (b_in && !a_in)
+            cut(j, plane, b, a, out->at[out->n++]);
     }
 }
 

@@ -289,7 +289,8 @@ static bool propose_values(fixture *f, size_t node, proposal *p)
     const uint32_t nparams = sg_grammar_symbol(f->g, n.symbol)->nparams;
     double frame[64];
     quick_assert(nparams + r->nvalues <= 64);
-    memcpy(p->uniforms, f->d.uniforms + n.uniforms, r->nuniforms * sizeof(double));
+    if (r->nuniforms > 0) /* a simplex of one part has a draw and none */
+        memcpy(p->uniforms, f->d.uniforms + n.uniforms, r->nuniforms * sizeof(double));
     memcpy(frame, f->d.values + n.values, (nparams + r->nvalues) * sizeof(double));
     const sg_draw *draw = r->draws + gsl_rng_uniform_int(f->rng, r->ndraws);
     const bool trades = draw->kind == SG_DRAW_SIMPLEX && draw->nvalues > 1 && gsl_rng_uniform(f->rng) < 0.5;
@@ -326,7 +327,8 @@ static void changed(const sg_change *c, sg_derivation *out)
     }
     const sg_node n = out->nodes[c->node];
     const sg_rule *r = sg_grammar_rule(out->grammar, n.rule);
-    memcpy(out->uniforms + n.uniforms, c->uniforms, r->nuniforms * sizeof(double));
+    if (r->nuniforms > 0)
+        memcpy(out->uniforms + n.uniforms, c->uniforms, r->nuniforms * sizeof(double));
     memcpy(out->values + n.values + sg_grammar_symbol(out->grammar, n.symbol)->nparams, c->values,
            r->nvalues * sizeof(double));
 }

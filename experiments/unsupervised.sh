@@ -25,7 +25,7 @@ forest="--features rich"
 
 score() { # NAME DIR: what the label maps in DIR are worth
     "$build"/parse/evaluate-labels "$data" "$2" --names "$out/names" --classes "$classes" --quiet --json - |
-        awk -v name="$1" '{ k = $1; gsub(/[":]/, "", k); sub(/,$/, "", $2) } /^ "/ && (k == "overall" || k == "class_average") { v[k] = $2 }
+        awk -v name="$1" '/^ "/ { k = $1; gsub(/[":]/, "", k); if (k == "overall" || k == "class_average") v[k] = $2 + 0 }
             END { printf "%-44s overall %.2f  class average %.2f\n", name, 100 * v["overall"], 100 * v["class_average"] }'
 }
 learn_from() { # DIR: its label maps as a data set, then a grammar
@@ -41,12 +41,12 @@ from=$out/unaries
 for i in $(seq 1 "${ITERATIONS:-3}"); do
     learn_from "$from"
     # shellcheck disable=SC2086
-    "$build"/parse/parse-facade "$from.sg" -p "$out/unaries" $photographs ${SG_PARSE:---unary-weight 0.1} ${SG_MOVES:-} --quiet -o "$out/parse$i"
+    "$build"/parse/parse-facade "$from.sg" -p "$out/unaries" $photographs ${SG_PARSE:---unary-weight 0.1} ${SG_MOVES:-} --quiet -o "$out/parse$i" >"$out/parse$i.txt"
     score "iteration $i: parsed by a grammar of these maps" "$out/parse$i"
     from=$out/parse$i
 done
 # shellcheck disable=SC2086
 "$build"/learn/learn-grammar "$data" --fold "$fold" --classes "$classes" ${SG_LEARN:-} --quiet -o "$out/true.sg"
 # shellcheck disable=SC2086
-"$build"/parse/parse-facade "$out/true.sg" -p "$out/unaries" $photographs ${SG_PARSE:---unary-weight 0.1} ${SG_MOVES:-} --quiet -o "$out/true"
+"$build"/parse/parse-facade "$out/true.sg" -p "$out/unaries" $photographs ${SG_PARSE:---unary-weight 0.1} ${SG_MOVES:-} --quiet -o "$out/true" >"$out/true.txt"
 score "for comparison: grammar of true label maps" "$out/true"

@@ -19,7 +19,7 @@ typedef struct {
 } sg_lights;
 
 /** Round, white, and soft; the sun stands where the caller puts it. */
-#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.52, 0.54, 0.57}, {0.25, 0.245, 0.24}, {0.62, 0.60, 0.56}, 1024}
+#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.56, 0.58, 0.61}, {0.30, 0.295, 0.29}, {0.74, 0.71, 0.66}, 1024}
 
 /** A point of a surface, and what has come to it so far. */
 typedef struct {

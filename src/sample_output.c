@@ -127,10 +127,13 @@ static sg_status write_obj(const sample_job *j, const sample_worker *w, size_t i
     return sg_mesh_obj_save(&w->mesh, path, err);
 }
 
-static sg_status render(const sample_job *j, sample_worker *w, size_t width, size_t height, sg_image *im, sg_error *err)
+static sg_status render(const sample_job *j, sample_worker *w, size_t i, size_t width, size_t height, sg_image *im,
+                        sg_error *err)
 {
-    const sg_mesh_opts mesh = mesh_opts(j->opts);
+    enum { SMALL = 20000 /* faces */ };
+    sg_mesh_opts mesh = mesh_opts(j->opts);
     const sg_render_opts opts = SG_RENDER_OPTS_INIT;
+    mesh.radial *= j->stats[i].faces < SMALL ? 2 : 1; /* what is small can afford to be round */
     SG_TRY(sg_image_create(width, height, im, err));
     const sg_status st = sg_render_scene(&w->space, &mesh, &j->opts->view, &opts, &w->mesh, im, err);
     if (st != SG_OK)
@@ -144,7 +147,7 @@ static sg_status write_render(const sample_job *j, sample_worker *w, size_t i, s
     char path[4096];
     sg_image im;
     SG_TRY(path_of(j, "", i, ".render.png", path, sizeof path, err));
-    SG_TRY(render(j, w, j->opts->width, j->opts->height, &im, err));
+    SG_TRY(render(j, w, i, j->opts->width, j->opts->height, &im, err));
     const sg_status st = sg_png_write_rgb(path, &im, err);
     if (st == SG_OK && j->opts->in_space && i < j->nthumbs && im.width == j->thumb_width && im.height == j->thumb_height)
         j->thumbs[i] = im;
@@ -165,7 +168,7 @@ static sg_status write_space(const sample_job *j, sample_worker *w, size_t i, sg
     if (j->opts->formats & SAMPLE_RENDER)
         SG_TRY(write_render(j, w, i, err));
     if (on_sheet && j->thumbs[i].rgb == NULL)
-        SG_TRY(render(j, w, j->thumb_width, j->thumb_height, j->thumbs + i, err));
+        SG_TRY(render(j, w, i, j->thumb_width, j->thumb_height, j->thumbs + i, err));
     return SG_OK;
 }
 

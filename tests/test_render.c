@@ -20,18 +20,18 @@ static void gather(const sg_mesh *m, const sg_lights *lights, const double (*at)
 {
     sg_error err = SG_ERROR_INIT;
     const sg_ball ball = sg_ball_of(m);
-    sg_shadow_map map = {0};
-    ck_ok(sg_shadow_map_create(lights->map_side, &map, &err));
+    sg_light_maps maps;
+    ck_ok(sg_light_maps_create(lights, &maps, &err));
     for (size_t i = 0; i < n; i++) {
         out[i] = (sg_light_point){0};
         sg_ball_coordinates(&ball, at[i], out[i].at);
         for (int k = 0; k < 3; k++) {
             out[i].normal[k] = (float)normal[i][k];
-            out[i].at[k] += (float)(sg_shadow_map_lift(lights->map_side) * normal[i][k]);
+            out[i].at[k] += (float)(sg_shadow_map_lift(lights->sun_side) * normal[i][k]);
         }
     }
-    ck_ok(sg_light_gather(lights, m, &ball, &map, 0, nsky, 0, nsun, out, n, &err));
-    sg_shadow_map_clear(&map);
+    ck_ok(sg_light_gather(lights, m, &ball, &maps, 0, nsky, 0, nsun, out, n, &err));
+    sg_light_maps_clear(&maps);
 }
 
 static void add_floor(test_mesh *m, double half)
@@ -84,7 +84,7 @@ START_TEST(a_wall_hides_its_share_of_the_sky)
     test_mesh *m = test_mesh_create(0xffffff);
     add_floor(m, 5);
     test_mesh_add(m, wall, 4);
-    const double lift = sg_shadow_map_lift(lights.map_side) * sg_ball_of(&m->mesh).radius; /* points stand that high */
+    const double lift = sg_shadow_map_lift(lights.sky_side) * sg_ball_of(&m->mesh).radius; /* points stand that high */
     sg_light_point p[4];
     gather(&m->mesh, &lights, (const double(*)[3])at, (const double(*)[3])normal, 4, 500, 0, p);
     for (int k = 0; k < 4; k++) {
@@ -179,7 +179,7 @@ START_TEST(edges_are_as_dark_as_they_cover)
     test_mesh_add(m, (const double(*)[3])corner, 4);
     sg_image im;
     ck_ok(sg_image_create(20, 20, &im, &err));
-    ck_ok(sg_render_mesh(&m->mesh, &c, &opts, &im, &err));
+    ck_ok(sg_render_mesh(&m->mesh, NULL, &c, &opts, &im, &err));
     double sum = 0;
     size_t nedge = 0;
     for (size_t i = 0; i < 400; i++) {

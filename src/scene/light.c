@@ -47,7 +47,22 @@ static double brightness(const double *rgb)
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-static void gather_sky(const sg_shadow_map *map, const double *direction, double light, sg_light_point *points, size_t n)
+sg_status sg_light_maps_create(const sg_lights *lights, sg_light_maps *maps, sg_error *err)
+{
+    *maps = (sg_light_maps){0};
+    SG_TRY(sg_shadow_map_create(lights->sky_side, &maps->sky, err));
+    return sg_shadow_map_create(lights->sun_side, &maps->sun, err);
+}
+
+void sg_light_maps_clear(sg_light_maps *maps)
+{
+    sg_shadow_map_clear(&maps->sky);
+    sg_shadow_map_clear(&maps->sun);
+}
+
+/* @param lift  more than the points have */
+static void gather_sky(const sg_shadow_map *map, const double *direction, float lift, double light, sg_light_point *points,
+                       size_t n)
 {
     const float d[3] = {(float)direction[0], (float)direction[1], (float)direction[2]};
     for (size_t i = 0; i < n; i++) {
@@ -57,7 +72,8 @@ static void gather_sky(const sg_shadow_map *map, const double *direction, double
             continue;
         const float comes = (float)light * cosine;
         p->whole += comes;
-        if (sg_shadow_map_lit(map, p->at))
+        const float at[3] = {p->at[0] + lift * p->normal[0], p->at[1] + lift * p->normal[1], p->at[2] + lift * p->normal[2]};
+        if (sg_shadow_map_lit(map, at))
             p->open += comes;
     }
 }
@@ -70,20 +86,21 @@ static void gather_sun(const sg_shadow_map *map, sg_light_point *points, size_t 
     }
 }
 
-sg_status sg_light_gather(const sg_lights *lights, const sg_mesh *mesh, const sg_ball *ball, sg_shadow_map *map,
+sg_status sg_light_gather(const sg_lights *lights, const sg_mesh *mesh, const sg_ball *ball, sg_light_maps *maps,
                           size_t first_sky, size_t nsky, size_t first_sun, size_t nsun, sg_light_point *points, size_t n,
                           sg_error *err)
 {
+    const float lift = (float)(sg_shadow_map_lift(lights->sky_side) - sg_shadow_map_lift(lights->sun_side));
     double d[3];
     for (size_t i = first_sky; i < first_sky + nsky; i++) {
         const bool below = sky_direction(i, d);
-        SG_TRY(sg_shadow_map_draw(map, mesh, ball, d, err));
-        gather_sky(map, d, below ? 3 * brightness(lights->ground) : brightness(lights->sky), points, n);
+        SG_TRY(sg_shadow_map_draw(&maps->sky, mesh, ball, d, err));
+        gather_sky(&maps->sky, d, lift, below ? 3 * brightness(lights->ground) : brightness(lights->sky), points, n);
     }
     for (size_t i = first_sun; i < first_sun + nsun; i++) {
         sun_direction(lights, i, d);
-        SG_TRY(sg_shadow_map_draw(map, mesh, ball, d, err));
-        gather_sun(map, points, n);
+        SG_TRY(sg_shadow_map_draw(&maps->sun, mesh, ball, d, err));
+        gather_sun(&maps->sun, points, n);
     }
     return SG_OK;
 }

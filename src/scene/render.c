@@ -10,12 +10,12 @@
 #include <string.h>
 
 /* More triangles than this, and light comes from fewer directions. */
-static const size_t many_triangles = 400000;
+static const size_t many_triangles = 200000;
 /* Light reflected by what is white. */
 static const double whitest = 0.9;
 
 typedef struct {
-    const sg_mesh *mesh;
+    const sg_mesh *mesh, *casts;
     const sg_camera *camera;
     const sg_render_opts *opts;
     sg_lights lights;
@@ -25,7 +25,7 @@ typedef struct {
     double (*materials)[3];
     size_t sky, sun; /* directions for each sample */
     sg_raster raster;
-    sg_shadow_map map;
+    sg_light_maps maps;
     sg_shade_points seen;
     float *sum; /* [height][width][3] */
     sg_error *err;
@@ -44,7 +44,7 @@ static void place_sun(painter *p)
 
 static void plan_light(painter *p)
 {
-    const size_t triangles = 2 * p->mesh->nfaces + 1, least = 2;
+    const size_t triangles = 2 * p->casts->nfaces + 1, least = 4;
     const size_t affordable = p->opts->sky * many_triangles / triangles;
     p->sky = affordable < p->opts->sky ? (affordable > least ? affordable : least) : p->opts->sky;
     p->sky = p->sky < p->opts->sky ? p->sky : p->opts->sky;
@@ -69,7 +69,7 @@ static sg_status open_painter(painter *p, size_t width, size_t height)
     sg_srgb_to_linear(p->opts->background, p->background);
     sg_light_sum(&p->lights, &open_ground, p->on_ground);
     SG_TRY(sg_raster_create(width, height, true, &p->raster, p->err));
-    SG_TRY(sg_shadow_map_create(p->lights.map_side, &p->map, p->err));
+    SG_TRY(sg_light_maps_create(&p->lights, &p->maps, p->err));
     p->sum = calloc(width * height, 3 * sizeof *p->sum);
     p->materials = malloc((p->mesh->nmaterials + 1) * sizeof *p->materials);
     if (p->sum == NULL || p->materials == NULL)
@@ -85,7 +85,7 @@ static sg_status open_painter(painter *p, size_t width, size_t height)
 static void close_painter(painter *p)
 {
     sg_raster_clear(&p->raster);
-    sg_shadow_map_clear(&p->map);
+    sg_light_maps_clear(&p->maps);
     sg_shade_points_clear(&p->seen);
     free(p->sum);
     free(p->materials);
@@ -124,12 +124,12 @@ static double mirrored_bits(size_t i)
 static sg_status add_picture(painter *p, size_t s)
 {
     const double n = (double)p->opts->samples, offset[2] = {((double)s + 0.5) / n, mirrored_bits(s) + 0.5 / n};
-    const sg_shade_view view = {p->mesh, p->camera, &p->ball, sg_shadow_map_lift(p->lights.map_side),
+    const sg_shade_view view = {p->mesh, p->camera, &p->ball, sg_shadow_map_lift(p->lights.sun_side),
                                 p->opts->ground && p->mesh->nfaces > 0 ? &p->ground : NULL};
     sg_raster_wipe(&p->raster);
     SG_TRY(sg_raster_draw(&p->raster, p->mesh, p->camera, offset, p->err));
     SG_TRY(sg_shade_find(&p->raster, &view, offset, &p->seen, p->err));
-    SG_TRY(sg_light_gather(&p->lights, p->mesh, &p->ball, &p->map, s * p->sky, p->sky, s * p->sun, p->sun, p->seen.points,
+    SG_TRY(sg_light_gather(&p->lights, p->casts, &p->ball, &p->maps, s * p->sky, p->sky, s * p->sun, p->sun, p->seen.points,
                            p->seen.n, p->err));
     add_colors(p);
     return SG_OK;
@@ -145,13 +145,13 @@ static sg_status paint(painter *p, sg_image *im)
     return SG_OK;
 }
 
-sg_status sg_render_mesh(const sg_mesh *mesh, const sg_camera *camera, const sg_render_opts *opts, sg_image *im,
-                         sg_error *err)
+sg_status sg_render_mesh(const sg_mesh *mesh, const sg_mesh *casts, const sg_camera *camera, const sg_render_opts *opts,
+                         sg_image *im, sg_error *err)
 {
     if (opts->samples < 1 || opts->samples > 256 || opts->sky > 1024 || opts->sun > 1024)
         return SG_FAIL(err, SG_EINVAL, "a picture of %zu samples in a pixel, with light from %zu directions", opts->samples,
                        opts->sky + opts->sun);
-    painter p = {.mesh = mesh, .camera = camera, .opts = opts, .err = err};
+    painter p = {.mesh = mesh, .casts = casts != NULL ? casts : mesh, .camera = camera, .opts = opts, .err = err};
     const sg_status st = paint(&p, im);
     close_painter(&p);
     return st;

@@ -20,15 +20,16 @@ typedef struct {
 
 #define SG_RENDER_OPTS_INIT {16, 16, 2, -50, 45, 0xf4f4f2, true}
 
-/** Draw a mesh into a picture, of the size that it has. Directions of light become fewer when there are very many
- *  triangles.
+/** Draw a mesh into a picture, of the size that it has. Directions of light become fewer when very many triangles are in
+ *  its way.
+ *  @param casts  what hides the light: a coarser mesh of the same scene, or NULL: the mesh itself
  *  @return SG_OK, SG_EINVAL (options out of range), SG_ENUMERIC (2^31 faces), SG_ENOMEM
  *  O(samples (sky + sun) (faces + pixels)) time; about 100 bytes a pixel beside the picture */
-sg_status sg_render_mesh(const sg_mesh *mesh, const sg_camera *camera, const sg_render_opts *opts, sg_image *im,
-                         sg_error *err);
+sg_status sg_render_mesh(const sg_mesh *mesh, const sg_mesh *casts, const sg_camera *camera, const sg_render_opts *opts,
+                         sg_image *im, sg_error *err);
 
 /** Draw a scene as this view shows it. Segments that would be thinner than about half a pixel are drawn that wide: twigs
- *  do not vanish. An empty scene is an empty picture.
+ *  do not vanish. An empty scene is an empty picture. What is round in a large mesh hides the light as if it had few sides.
  *  @param mesh   work space: holds the mesh that is drawn afterwards
  *  @return as above and as sg_mesh_from_scene() */
 sg_status sg_render_scene(const sg_scene *scene, const sg_mesh_opts *mesh_opts, const sg_view *view,

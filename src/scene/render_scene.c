@@ -42,6 +42,22 @@ static sg_status thicken(const sg_scene *scene, double radius, sg_scene *out, bo
     return SG_OK;
 }
 
+/* Few sides lie within many: a coarse mesh does not hide the light from the fine one. */
+static sg_status draw(const sg_scene *scene, const sg_mesh_opts *mesh_opts, const sg_mesh *mesh, const sg_camera *camera,
+                      const sg_render_opts *opts, sg_image *im, sg_error *err)
+{
+    enum { LARGE = 50000 /* faces */, SIDES = 5 };
+    const sg_mesh_opts coarse = {SIDES, 0};
+    if (mesh->nfaces < LARGE || mesh_opts->detail > 15 || mesh_opts->radial >> mesh_opts->detail <= SIDES)
+        return sg_render_mesh(mesh, NULL, camera, opts, im, err);
+    sg_mesh casts = {0};
+    sg_status st = sg_mesh_from_scene(scene, &coarse, &casts, err);
+    if (st == SG_OK)
+        st = sg_render_mesh(mesh, &casts, camera, opts, im, err);
+    sg_mesh_clear(&casts);
+    return st;
+}
+
 sg_status sg_render_scene(const sg_scene *scene, const sg_mesh_opts *mesh_opts, const sg_view *view,
                           const sg_render_opts *opts, sg_mesh *mesh, sg_image *im, sg_error *err)
 {
@@ -51,10 +67,11 @@ sg_status sg_render_scene(const sg_scene *scene, const sg_mesh_opts *mesh_opts, 
     const double aspect = (double)im->width / (double)im->height;
     const sg_camera camera = sg_camera_fit((const double(*)[3])mesh->vertices, mesh->nvertices, view, aspect);
     SG_TRY(thicken(scene, thinnest / 2 * pixel_width(mesh, &camera, im), &thick, &any, err));
-    if (any) {
-        const sg_status st = sg_mesh_from_scene(&thick, mesh_opts, mesh, err);
-        free(thick.items);
-        SG_TRY(st);
-    }
-    return sg_render_mesh(mesh, &camera, opts, im, err);
+    if (!any)
+        return draw(scene, mesh_opts, mesh, &camera, opts, im, err);
+    sg_status st = sg_mesh_from_scene(&thick, mesh_opts, mesh, err);
+    if (st == SG_OK)
+        st = draw(&thick, mesh_opts, mesh, &camera, opts, im, err);
+    free(thick.items);
+    return st;
 }

@@ -54,7 +54,8 @@ static inline bool sample_wants_labels(const sample_options *o)
 sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error *err);
 /** The folder, those in it, and the class table. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
 sg_status sample_make_folders(const sample_job *j, sg_error *err);
-/** All files of sample i, which the worker holds, and the picture of models in space for the sheet. @return SG_OK, SG_EINVAL, SG_ENUMERIC, SG_EIO, SG_ENOMEM */
+/** All files of sample i, which the worker holds, and the picture of models in space for the sheet.
+ *  @return SG_OK, SG_EINVAL, SG_ENUMERIC, SG_EIO, SG_ENOMEM */
 sg_status sample_write(const sample_job *j, sample_worker *w, size_t i, sg_error *err);
 /** How many pictures the sheet has, and how large they are. */
 void sample_plan_sheet(sample_job *j);

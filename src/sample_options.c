@@ -85,7 +85,8 @@ static bool parse_projection(const char *arg, sg_view *view)
 
 static bool parse_formats(const char *arg, unsigned *formats)
 {
-    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation", "render", "all", NULL};
+    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation",
+                                        "render", "all", NULL};
     *formats = 0;
     for (const char *p = arg;;) {
         const size_t length = strcspn(p, ",");

@@ -270,8 +270,9 @@ START_TEST(boxes_throw_shadows)
 }
 END_TEST
 
-static const char plant[] = "limit depth 5\nstart T(1)\nrule T(l) -> width(l / 8) draw(l) [ turn(40) set_material(#808020) T(l * 0.7) ]"
-                            " roll(90) pitch(20) T(l * 0.8)\nrule T(l) at limit -> size(0.1, 0.1, 0) set_material(#208020) insert(box)\n";
+static const char plant[] =
+    "limit depth 5\nstart T(1)\nrule T(l) -> width(l / 8) draw(l) [ turn(40) set_material(#808020) T(l * 0.7) ] roll(90) "
+    "pitch(20) T(l * 0.8)\nrule T(l) at limit -> size(0.1, 0.1, 0) set_material(#208020) insert(box)\n";
 
 /* Pictures drawn beside each other in threads are those that are drawn alone. */
 START_TEST(threads_draw_the_same_bytes)
@@ -302,7 +303,8 @@ START_TEST(empty_scenes_and_odd_sizes_have_pictures)
 {
     static const char *const texts[] = {
         "start S\nrule S -> nothing\n", "start S\nrule S -> width(0) draw(1)\n",
-        "label t\nstart S\nrule S -> size(1, 1, 0) t\n", "start S\nrule S -> translate(1e90, 1e90, 0) size(1e90, 2e90, 3e90) insert(box)\n",
+        "label t\nstart S\nrule S -> size(1, 1, 0) t\n",
+        "start S\nrule S -> translate(1e90, 1e90, 0) size(1e90, 2e90, 3e90) insert(box)\n",
         "start S\nrule S -> size(1e-9, 1, 1e9) insert(box)\n"};
     static const size_t sizes[][2] = {{1, 1}, {1, 70}, {70, 1}, {13, 7}};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)

@@ -82,10 +82,11 @@ static sg_status place_item(sg_scene_body *b, const sg_scene_item *item, sg_scen
         return SG_OK;
     b->node = item->node;
     b->r = sg_grammar_rule(b->d->grammar, node->rule);
-    b->frame = b->d->values + node->values;
+    b->frame = b->d->values != NULL ? b->d->values + node->values : NULL; /* no rule draws */
     SG_TRY(sg_stored_children_find(&w->children, b->d, item->node, b->r, b->err));
     SG_TRY(sg_scene_read_body(b, &item->state));
-    reverse_items(w->items + mark, w->n - mark); /* the first child is placed first */
+    if (w->n > mark)
+        reverse_items(w->items + mark, w->n - mark); /* the first child is placed first */
     return SG_OK;
 }
 

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* More triangles than this, and light comes from fewer directions. */
-static const size_t many_triangles = 200000;
+static const size_t many_triangles = 130000;
 /* Light reflected by what is white. */
 static const double whitest = 0.9;
 

@@ -254,7 +254,7 @@ START_TEST(boxes_throw_shadows)
     view.azimuth = 0;
     view.elevation = 30;
     view.margin = 0.6;
-    opts.sun_azimuth = -90; /* from the left */
+    opts.sun_azimuth = 90; /* from the left */
     const char *box = "start S\nrule S -> translate(-1, 0, -1) size(2, 2, 2) set_material(#ffffff) insert(box)\n";
     sg_image im = picture(box, 100, 100, &view, &opts);
     const int white = brightness(&im, 0, 0), left = brightness(&im, 15, 62), right = brightness(&im, 75, 62);

@@ -19,7 +19,7 @@ typedef struct {
 } sg_lights;
 
 /** Round, white, and soft; the sun stands where the caller puts it. */
-#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.56, 0.58, 0.61}, {0.30, 0.295, 0.29}, {0.74, 0.71, 0.66}, 640, 1024}
+#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.56, 0.58, 0.61}, {0.30, 0.295, 0.29}, {0.74, 0.71, 0.66}, 640, 2048}
 
 /** Work space: one map for all directions of each. A zeroed one is empty. */
 typedef struct {

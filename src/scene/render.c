@@ -31,11 +31,11 @@ typedef struct {
     sg_error *err;
 } painter;
 
-/* The sun keeps its place beside the camera, whichever way that looks. */
 static void place_sun(painter *p)
 {
-    const double degree = 0.017453292519943295, *back = p->camera->frame.x;
-    const double a = atan2(-back[2], back[0]) + p->opts->sun_azimuth * degree, e = p->opts->sun_elevation * degree;
+    const double degree = 0.017453292519943295, *right = p->camera->frame.x;
+    const double camera = atan2(-right[2], right[0]), aside = p->opts->sun_azimuth * degree;
+    const double a = camera < 0 ? camera + aside : camera - aside, e = p->opts->sun_elevation * degree;
     p->lights = (sg_lights)SG_LIGHTS_INIT;
     p->lights.sun[0] = sin(a) * cos(e);
     p->lights.sun[1] = sin(e);

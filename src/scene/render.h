@@ -13,12 +13,14 @@
 typedef struct {
     size_t samples;      /* in each pixel, 1 to 256 */
     size_t sky, sun;     /* directions of light for each of them, 0: none is hidden */
-    double sun_azimuth, sun_elevation; /* degrees; the azimuth to the right of the camera */
+    double sun_azimuth;  /* degrees from the camera towards the front of the model, so that its front is lit; to the left
+                            of a camera that stands right before it */
+    double sun_elevation;
     uint32_t background; /* 0xRRGGBB, of the ground too */
     bool ground;         /* is there ground that catches shadows, at the lowest point of the mesh? */
 } sg_render_opts;
 
-#define SG_RENDER_OPTS_INIT {16, 24, 2, -50, 45, 0xf4f4f2, true}
+#define SG_RENDER_OPTS_INIT {16, 24, 2, 50, 45, 0xf4f4f2, true}
 
 /** Draw a mesh into a picture, of the size that it has. Directions of light become fewer when very many triangles are in
  *  its way.

@@ -270,6 +270,23 @@ START_TEST(boxes_throw_shadows)
 }
 END_TEST
 
+/* From the left and from the right of its front, a box has that in the sun, and its side in the shade. */
+START_TEST(fronts_are_lit)
+{
+    sg_view view = SG_VIEW_INIT;
+    sg_render_opts opts = SG_RENDER_OPTS_INIT;
+    opts.sky = 8;
+    opts.samples = 4;
+    for (int side = -1; side <= 1; side += 2) {
+        view.azimuth = 40 * side;
+        sg_image im = picture("start S\nrule S -> translate(-1, 0, -1) size(2, 2, 2) insert(box)\n", 100, 100, &view, &opts);
+        const size_t front = side > 0 ? 40 : 60, shade = side > 0 ? 80 : 20;
+        ck_assert_int_gt(brightness(&im, front, 60), brightness(&im, shade, 60) + 100);
+        sg_image_clear(&im);
+    }
+}
+END_TEST
+
 static const char plant[] =
     "limit depth 5\nstart T(1)\nrule T(l) -> width(l / 8) draw(l) [ turn(40) set_material(#808020) T(l * 0.7) ] roll(90) "
     "pitch(20) T(l * 0.8)\nrule T(l) at limit -> size(0.1, 0.1, 0) set_material(#208020) insert(box)\n";
@@ -374,6 +391,7 @@ int main(void)
     tcase_add_loop_test(pictures, edges_are_as_dark_as_they_cover, 0, 17);
     tcase_add_loop_test(pictures, thin_twigs_do_not_vanish, 0, 6);
     tcase_add_test(pictures, boxes_throw_shadows);
+    tcase_add_test(pictures, fronts_are_lit);
     tcase_add_test(pictures, threads_draw_the_same_bytes);
     tcase_add_test(pictures, empty_scenes_and_odd_sizes_have_pictures);
     tcase_add_test(pictures, options_out_of_range_are_refused);

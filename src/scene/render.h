@@ -20,7 +20,7 @@ typedef struct {
     bool ground;         /* is there ground that catches shadows, at the lowest point of the mesh? */
 } sg_render_opts;
 
-#define SG_RENDER_OPTS_INIT {16, 24, 2, 50, 45, 0xf4f4f2, true}
+#define SG_RENDER_OPTS_INIT {16, 24, 2, 60, 45, 0xf4f4f2, true}
 
 /** Draw a mesh into a picture, of the size that it has. Directions of light become fewer when very many triangles are in
  *  its way.

@@ -9,6 +9,7 @@
 #include "parse/scene_lattice.h"
 #include "scene/derivation_json.h"
 #include "scene/label_svg.h"
+#include "scene/mesh_gltf.h"
 #include "scene/mesh_obj.h"
 #include "scene/render.h"
 
@@ -127,6 +128,13 @@ static sg_status write_obj(const sample_job *j, const sample_worker *w, size_t i
     return sg_mesh_obj_save(&w->mesh, path, err);
 }
 
+static sg_status write_gltf(const sample_job *j, const sample_worker *w, size_t i, sg_error *err)
+{
+    char path[4096];
+    SG_TRY(path_of(j, "", i, ".glb", path, sizeof path, err));
+    return sg_mesh_gltf_save(&w->mesh, path, err);
+}
+
 static sg_status render(const sample_job *j, sample_worker *w, size_t width, size_t height, sg_image *im, sg_error *err)
 {
     const sg_mesh_opts mesh = mesh_opts(j->opts);
@@ -157,11 +165,13 @@ static sg_status write_render(const sample_job *j, sample_worker *w, size_t i, s
 static sg_status write_space(const sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
     const bool on_sheet = j->opts->in_space && i < j->nthumbs;
-    if (!(j->opts->formats & (SAMPLE_OBJ | SAMPLE_RENDER)) && !on_sheet)
+    if (!(j->opts->formats & (SAMPLE_OBJ | SAMPLE_GLTF | SAMPLE_RENDER)) && !on_sheet)
         return SG_OK;
     SG_TRY(make_mesh(j, w, i, err));
     if (j->opts->formats & SAMPLE_OBJ)
         SG_TRY(write_obj(j, w, i, err));
+    if (j->opts->formats & SAMPLE_GLTF)
+        SG_TRY(write_gltf(j, w, i, err));
     if (j->opts->formats & SAMPLE_RENDER)
         SG_TRY(write_render(j, w, i, err));
     if (on_sheet && j->thumbs[i].rgb == NULL)

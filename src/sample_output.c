@@ -29,6 +29,8 @@ sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error
     if (grammar || is_same_file(j->opts->from, path))
         return SG_FAIL(err, SG_EINVAL, "%s: %s read; choose another folder or --name", path,
                        grammar ? "this is the grammar that is" : "these are the derivations that are");
+    if (j->assets != NULL && sg_assets_has_file(j->assets, path))
+        return SG_FAIL(err, SG_EINVAL, "%s: this mesh, or its materials, is read; choose another folder or --name", path);
     return SG_OK;
 }
 
@@ -101,16 +103,17 @@ static sg_status print_derivation(const sample_job *j, sample_worker *w, FILE *f
     return SG_OK;
 }
 
-static sg_mesh_opts mesh_opts(const sample_options *o)
+static sg_mesh_opts mesh_opts(const sample_job *j)
 {
     sg_mesh_opts mesh = SG_MESH_OPTS_INIT;
-    mesh.detail = (unsigned)o->detail;
+    mesh.detail = (unsigned)j->opts->detail;
+    mesh.assets = j->assets;
     return mesh;
 }
 
 static sg_status make_mesh(const sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
-    const sg_mesh_opts mesh = mesh_opts(j->opts);
+    const sg_mesh_opts mesh = mesh_opts(j);
     sg_scene_opts scene = SG_SCENE_OPTS_INIT;
     memcpy(scene.size, j->opts->scope, sizeof scene.size);
     SG_TRY(sg_scene_interpret(&w->d, &scene, &w->space, err));
@@ -137,7 +140,7 @@ static sg_status write_gltf(const sample_job *j, const sample_worker *w, size_t 
 
 static sg_status render(const sample_job *j, sample_worker *w, size_t width, size_t height, sg_image *im, sg_error *err)
 {
-    const sg_mesh_opts mesh = mesh_opts(j->opts);
+    const sg_mesh_opts mesh = mesh_opts(j);
     const sg_render_opts opts = SG_RENDER_OPTS_INIT;
     SG_TRY(sg_image_create(width, height, im, err));
     const sg_status st = sg_render_scene(&w->space, &mesh, &j->opts->view, &opts, &w->mesh, im, err);

@@ -4,6 +4,7 @@
 #include "config.h"
 
 #include "core/random.h"
+#include "scene/assets.h"
 #include "scene/mesh_gltf.h"
 #include "tests/gltf_check.h"
 #include "tests/mesh_check.h"
@@ -22,6 +23,7 @@ typedef struct {
     gsl_rng *rng;
     sg_scene scene;
     sg_mesh mesh;
+    sg_assets *assets;
     const char *path;
 } model;
 
@@ -45,6 +47,7 @@ static void check_levels(model *m, uint64_t seed)
     sg_error err = SG_ERROR_INIT;
     sg_mesh_opts opts = SG_MESH_OPTS_INIT;
     size_t last = SIZE_MAX;
+    opts.assets = m->assets;
     for (opts.detail = 0; opts.detail < DETAILS; opts.detail++) {
         ck_ok(sg_mesh_from_scene(&m->scene, &opts, &m->mesh, &err));
         const char *wrong = mesh_check(&m->mesh, NULL);
@@ -80,6 +83,7 @@ START_TEST(grammars_have_sound_meshes)
     model m = {.path = grammars.gl_pathv[_i], .rng = sg_random_create(1)};
     int done = 0;
     ck_ok(sg_grammar_load(m.path, &m.g, &err));
+    ck_ok(sg_assets_load(m.g, m.path, &m.assets, &err));
     sg_derivation_init(&m.d, m.g);
     for (uint64_t seed = 1; seed <= MAX_TRIES && done < SEEDS; seed++)
         done += try_seed(&m, seed);
@@ -88,6 +92,7 @@ START_TEST(grammars_have_sound_meshes)
     sg_scene_clear(&m.scene);
     sg_derivation_clear(&m.d);
     gsl_rng_free(m.rng);
+    sg_assets_free(m.assets);
     sg_grammar_free(m.g);
 }
 END_TEST

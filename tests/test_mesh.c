@@ -15,7 +15,7 @@ static sg_mesh mesh_of(const sg_scene *scene, unsigned radial, unsigned detail)
 {
     sg_error err = SG_ERROR_INIT;
     sg_mesh mesh = {0};
-    const sg_mesh_opts opts = {radial, detail};
+    const sg_mesh_opts opts = {radial, detail, NULL};
     ck_ok(sg_mesh_from_scene(scene, &opts, &mesh, &err));
     return mesh;
 }
@@ -270,7 +270,7 @@ START_TEST(random_scenes_have_sound_meshes)
         sg_error err = SG_ERROR_INIT;
         test_scene f;
         sg_mesh m = {0};
-        const sg_mesh_opts opts = {3 + (unsigned)k % 5, (unsigned)k % 2};
+        const sg_mesh_opts opts = {3 + (unsigned)k % 5, (unsigned)k % 2, NULL};
         if (!test_random_scene((uint64_t)_i * 20 + k + 1, &f))
             continue;
         if (f.scene.n < 5000) {

@@ -3,6 +3,8 @@
  * makes all that it stands in NULL too; so one test at the end finds that memory is out. */
 #include "scene/gltf_priv.h"
 
+#include "scene/srgb.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -22,20 +24,18 @@ static void append(json_t **list, json_t *item)
     *list = NULL;
 }
 
-/* IEC 61966-2-1, rounded so that it does not depend on the last bit of pow(). */
-static double linear(uint32_t value)
-{
-    const double c = value / 255.0, l = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-    return round(l * 1e6) / 1e6;
-}
-
+/* Rounded, so that the colour does not depend on the last bit of pow(). */
 static json_t *material_json(const sg_mesh_material *m)
 {
     char name[8];
+    double rgb[3];
     snprintf(name, sizeof name, "%06x", (unsigned)(m->color & 0xffffff));
+    sg_srgb_to_linear(m->color, rgb);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = round(rgb[i] * 1e6) / 1e6;
     return json_pack("{s:s, s:{s:[f,f,f,f], s:f, s:f}, s:b}", "name", m->name != NULL ? m->name : name,
-                     "pbrMetallicRoughness", "baseColorFactor", linear(m->color >> 16 & 255), linear(m->color >> 8 & 255),
-                     linear(m->color & 255), 1.0, "metallicFactor", 0.0, "roughnessFactor", 1.0, "doubleSided", 1);
+                     "pbrMetallicRoughness", "baseColorFactor", rgb[0], rgb[1], rgb[2], 1.0, "metallicFactor", 0.0,
+                     "roughnessFactor", 1.0, "doubleSided", 1);
 }
 
 /* In the order of their numbers, in which primitives use them first. */

@@ -37,6 +37,16 @@ typedef struct {
  *  @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_scene_read_body(sg_scene_body *b, const sg_scene_state *state);
 
+/** A solid that `insert` knows by its name. */
+typedef struct {
+    const char *name;
+    sg_primitive_kind kind;
+    double radius[2];
+} sg_scene_solid;
+
+/** NULL: this is the name of a mesh file. */
+const sg_scene_solid *sg_scene_solid_find(const char *name);
+
 /** One shape operation other than components. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state *s);
 

@@ -98,8 +98,8 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 9\n
 expect 3 "$sample" "$work/mesh/g.sg" -o "$work/m10" --formats gltf
 grep -q 'parts/tent.obj:8:7: error: ' "$work/err" || fail "no place of the fault in the mesh"
 sed -i 's/3 9/3 4/' "$work/mesh/parts/tent.obj"
-expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m10" --formats gltf,obj
-[ "$(grep -c '^f ' "$work/m10/sample-0001.obj")" -eq 4 ] || fail "the mesh that is inserted has not four faces"
+expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m10" --name y --formats gltf,obj
+[ "$(grep -c '^f ' "$work/m10/y-0001.obj")" -eq 4 ] || fail "the mesh that is inserted has not four faces"
 cp "$work/mesh/parts/tent.obj" "$work/mesh/parts/x-0001.obj"
 sed -i 's/tent/x-0001/' "$work/mesh/g.sg"
 expect 2 "$sample" "$work/mesh/g.sg" -o "$work/mesh/parts" --name x --formats obj

@@ -327,6 +327,29 @@ START_TEST(missing_and_bad_files_are_told)
 }
 END_TEST
 
+/* What an imported grammar inserts stands beside it; a fault is told where it stands. */
+START_TEST(imported_grammars_have_meshes_of_their_own)
+{
+    sg_error err = SG_ERROR_INIT;
+    const temp_folder t = temp_folder_make();
+    sg_grammar *g = NULL;
+    sg_assets *a = NULL;
+    char path[1024];
+    snprintf(path, sizeof path, "%s/g.sg", t.path);
+    ck_assert_int_eq(mkdir(temp_path(&t, "sub"), 0777), 0);
+    temp_text(&t, "g.sg", "label t\nimport Tree \"sub/tree.sg\"\nstart S\nrule S -> Tree\n");
+    temp_text(&t, "sub/tree.sg", "start T\n\nrule T -> insert(\"leaf.obj\")\n");
+    ck_ok(sg_grammar_load(path, &g, &err));
+    ck_assert_int_eq(sg_assets_load(g, path, &a, &err), SG_EINPUT);
+    ck_assert_msg(strstr(err.msg, "/sub/tree.sg:3: error: insert(sub/leaf.obj): there is no mesh file ") != NULL, "%s", err.msg);
+    temp_text(&t, "sub/leaf.obj", pyramid);
+    ck_ok(sg_assets_load(g, path, &a, &err));
+    sg_assets_free(a);
+    sg_grammar_free(g);
+    temp_folder_remove(&t);
+}
+END_TEST
+
 START_TEST(files_that_are_read_are_known)
 {
     char text[500];
@@ -383,6 +406,7 @@ static Suite *obj_suite(void)
     tcase_add_test(all, flat_meshes_and_normals);
     tcase_add_test(all, our_files_are_read_back);
     tcase_add_test(all, missing_and_bad_files_are_told);
+    tcase_add_test(all, imported_grammars_have_meshes_of_their_own);
     tcase_add_test(all, files_that_are_read_are_known);
     tcase_add_test(all, each_allocation_may_fail);
     suite_add_tcase(s, all);

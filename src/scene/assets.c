@@ -68,8 +68,8 @@ static sg_status load(sg_assets *a, const sg_grammar *g, const sg_rule *r, uint3
     if (path == NULL || !SG_GROW(a->items, a->capacity, a->n + 1))
         return SG_FAIL_NOMEM(err);
     if (!sg_file_exists(path))
-        return SG_FAIL(err, SG_EINPUT, "%.250s:%u: error: insert(%.200s): there is no mesh file %.250s", grammar,
-                       (unsigned)r->line, sg_grammar_string(g, name), path);
+        return SG_FAIL(err, SG_EINPUT, "%.250s:%u: error: insert(%.200s): there is no mesh file %.250s",
+                       r->file != NULL ? r->file : grammar, (unsigned)r->line, sg_grammar_string(g, name), path);
     asset *made = a->items + a->n;
     *made = (asset){.name = name, .path = path};
     SG_TRY(sg_obj_load(path, &made->obj, err));

@@ -282,7 +282,7 @@ static char *library_path(const char *path, const char *name, sg_arena *arena)
 static sg_status load_library(const char *text, size_t length, const char *path, sg_obj *obj, sg_obj_library *l,
                               sg_arena *arena, sg_error *err)
 {
-    const sg_obj_text t = {{path, text, length}, 0, err};
+    const sg_obj_text t = {.source = {.name = path, .text = text, .length = length}, .err = err};
     char *library, *file = library_path(path, l->name, obj->arena);
     size_t n;
     if (file == NULL)

@@ -22,7 +22,7 @@ sg_status sg_obj_fail(const sg_obj_text *t, size_t at, const char *format, ...)
 
 sg_status sg_obj_text_begin(sg_obj_text *t, const char *text, size_t length, const char *name, sg_error *err)
 {
-    *t = (sg_obj_text){{name, text, length}, 0, err};
+    *t = (sg_obj_text){.source = {.name = name, .text = text, .length = length}, .err = err};
     if (length > SG_OBJ_MAX_BYTES)
         return SG_FAIL(err, SG_EINPUT, "%.250s: larger than the %d bytes that a mesh may have", name, SG_OBJ_MAX_BYTES);
     const char *zero = memchr(text, '\0', length);

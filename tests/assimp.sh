@@ -21,8 +21,8 @@ corners() { awk '$1 == "g" { g = $2 } $1 == "usemtl" { m = $2 }
 equal() { [ -n "$2" ] && [ "$2" = "$3" ] || fail "$1: we have $2, assimp has $3"; }
 
 # close POINT POINT: as assimp shows them
-close() { printf '%s\n' "$1" "$2" | tr -d '()' | awk '{ for (i = 1; i <= 3; i++) x[NR, i] = $(i + 2) }
-    END { for (i = 1; i <= 3; i++) { d = x[1, i] - x[2, i]; m = x[1, i] < 0 ? -x[1, i] : x[1, i]
+close() { printf '%s\n' "$1" "$2" | tr -d '()' | awk 'NF != 5 { bad = 1 } { for (i = 1; i <= 3; i++) x[NR, i] = $(i + 2) }
+    END { if (bad) exit 1; for (i = 1; i <= 3; i++) { d = x[1, i] - x[2, i]; m = x[1, i] < 0 ? -x[1, i] : x[1, i]
         if (d > 1e-6 * (1 + m) || -d > 1e-6 * (1 + m)) exit 1 } exit NR != 2 }'; }
 
 check() { # NAME: NAME.glb and NAME.obj

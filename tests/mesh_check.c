@@ -31,6 +31,7 @@ typedef struct {
     uint32_t *up;     /* [vertices] towards the root of its part */
     double *volume;   /* [vertices] of a part, at its root */
     bool *open;       /* [vertices] the part has an edge without its opposite, at its root */
+    uint32_t *first;  /* [vertices] the first face of a part, at its root */
 } checker;
 
 static int compare_edges(const void *a, const void *b)
@@ -183,18 +184,13 @@ static bool of_file(const checker *c, size_t face)
     return c->m->groups[c->m->faces[face].group].key_mesh != SG_NONE;
 }
 
-/* Mesh files may hold surfaces with a border. */
-static const char *check_edges(checker *c, size_t *nopen)
+static const char *check_edges(checker *c)
 {
     list_edges(c);
     for (size_t i = 0; i < c->nedges; i++) {
         const edge back = {c->edges[i].to, c->edges[i].from, 0};
         MUST(i == 0 || compare_edges(c->edges + i, c->edges + i - 1) != 0, "an edge twice in one direction");
         c->single[c->edges[i].face] += bsearch(&back, c->edges, c->nedges, sizeof back, compare_edges) == NULL;
-    }
-    for (size_t i = 0; i < c->m->nfaces; i++) {
-        MUST(of_file(c, i) || c->single[i] == 0 || c->single[i] == c->m->faces[i].ncorners, "a surface with a hole");
-        *nopen += c->single[i] > 0;
     }
     return NULL;
 }
@@ -206,8 +202,7 @@ static uint32_t root(uint32_t *up, uint32_t i)
     return i;
 }
 
-/* All faces of a closed part look outwards, or none does. */
-static const char *check_volumes(checker *c)
+static void find_parts(checker *c)
 {
     const sg_mesh *m = c->m;
     for (uint32_t i = 0; i < m->nvertices; i++)
@@ -220,9 +215,34 @@ static const char *check_volumes(checker *c)
         c->volume[r] += face_volume(m, m->faces + i, m->vertices[r]);
         c->open[r] |= c->single[i] > 0;
     }
+}
+
+/* Looks like another face of its part, of which it is the first. */
+static bool lies_with(const checker *c, size_t first, size_t face)
+{
+    double a[3], b[3];
+    area_vector(c->m, c->m->faces + first, a);
+    area_vector(c->m, c->m->faces + face, b);
+    sg_vec_normalize(a);
+    sg_vec_normalize(b);
+    return sg_vec_dot(a, b) > 1 - 1e-9;
+}
+
+/* All faces of a closed part look outwards, or none does; those of an open one lie in one plane. */
+static const char *check_parts(checker *c, size_t *nopen)
+{
+    const sg_mesh *m = c->m;
+    find_parts(c);
+    for (size_t i = 0; i < m->nvertices; i++)
+        c->first[i] = SG_NONE;
     for (size_t i = 0; i < m->nfaces; i++) {
         const uint32_t r = root(c->up, m->faces[i].corner[0].vertex);
+        const bool begins = c->first[r] == SG_NONE;
+        if (begins)
+            c->first[r] = (uint32_t)i;
         MUST(c->open[r] || c->volume[r] > 0, "a closed surface that looks inwards");
+        MUST(!c->open[r] || of_file(c, i) || lies_with(c, c->first[r], i), "a surface with a hole");
+        *nopen += begins && c->open[r];
     }
     return NULL;
 }
@@ -237,8 +257,8 @@ static const char *check_all(checker *c, size_t *nopen)
     if (wrong == NULL)
         wrong = check_twins(c);
     if (wrong == NULL)
-        wrong = check_edges(c, nopen);
-    return wrong != NULL ? wrong : check_volumes(c);
+        wrong = check_edges(c);
+    return wrong != NULL ? wrong : check_parts(c, nopen);
 }
 
 const char *mesh_check(const sg_mesh *m, size_t *nopen)
@@ -251,7 +271,9 @@ const char *mesh_check(const sg_mesh *m, size_t *nopen)
     c.up = malloc((m->nvertices + 1) * sizeof *c.up);
     c.volume = calloc(m->nvertices + 1, sizeof *c.volume);
     c.open = calloc(m->nvertices + 1, sizeof *c.open);
-    const bool room = c.edges != NULL && c.keys != NULL && c.single != NULL && c.up != NULL && c.volume != NULL && c.open != NULL;
+    c.first = malloc((m->nvertices + 1) * sizeof *c.first);
+    const bool room = c.edges != NULL && c.keys != NULL && c.single != NULL && c.up != NULL && c.volume != NULL && c.open != NULL &&
+                      c.first != NULL;
     const char *wrong = room ? check_all(&c, &open) : "out of memory";
     if (nopen != NULL)
         *nopen = open;
@@ -261,5 +283,6 @@ const char *mesh_check(const sg_mesh *m, size_t *nopen)
     free(c.up);
     free(c.volume);
     free(c.open);
+    free(c.first);
     return wrong;
 }

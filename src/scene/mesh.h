@@ -2,7 +2,7 @@
 /* mesh.h - a scene as triangles and quadrilaterals.
  *
  * Faces look outwards: counterclockwise as seen from outside. Solids are closed, each edge is used once in either
- * direction; polygons and label rectangles are open, one face each. Segments that continue each other (one starts where
+ * direction; polygons and label rectangles are open and flat. Segments that continue each other (one starts where
  * the other ends, as wide, at less than about 75 degrees, and long beside their width) share the ring of vertices at
  * their joint: generalised cylinders, as in Bloomenthal, "Modeling the mighty maple" (1985), with rings carried along
  * without twist.

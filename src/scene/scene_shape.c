@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_ARGS = 4 };
+enum { MAX_ARGS = 2 * SG_PRIMITIVE_CORNERS };
 
 static const double degree = 0.017453292519943295;
 
@@ -64,9 +64,18 @@ static int flat_face(const sg_scene_state *s)
     return !(s->size[2] > 0) ? SG_FACE_FRONT : !(s->size[1] > 0) ? SG_FACE_TOP : SG_FACE_RIGHT;
 }
 
+static sg_status add_polygon(sg_scene_body *b, const sg_scene_state *s)
+{
+    sg_primitive p = sg_scene_primitive(b, s, s->size[2] > 0 ? SG_PRIMITIVE_PRISM : SG_PRIMITIVE_POLYGON);
+    sg_scene_set_corners(&p, s);
+    return s->size[0] > 0 && s->size[1] > 0 ? sg_scene_add(b, &p) : SG_OK;
+}
+
 sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind flat)
 {
     sg_primitive p = sg_scene_primitive(b, s, SG_PRIMITIVE_BOX);
+    if (s->ncorners > 0)
+        return add_polygon(b, s);
     if (!(s->size[0] > 0 && s->size[1] > 0 && s->size[2] > 0)) {
         sg_scene_state face;
         if (!sg_scene_face(s, flat_face(s), &face))
@@ -215,6 +224,8 @@ sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state 
     case SG_SHAPE_GABLE_ROOF:
     case SG_SHAPE_HIP_ROOF:
         return sg_scene_add_roof(b, op, a, s);
+    case SG_SHAPE_POLYGON:
+        return sg_scene_make_polygon(b, a, op->nargs, s);
     case SG_SHAPE_INSERT:
         return insert(b, (uint32_t)a[0], s);
     case SG_SHAPE_SET_MATERIAL:

@@ -186,6 +186,11 @@ START_TEST(what_cannot_be_is_told_with_its_rule)
     check_fails("size(6, 0, 5) " L_SHAPE " extrude(3) split x { t | t }", "cut along z alone");
     check_fails("size(6, 0, 5) " L_SHAPE " extrude(3) repeat y 2 { t }", "cut along z alone");
     check_fails("size(6, 0, 5) " L_SHAPE " gable_roof(30)", "rectangles alone");
+    test_scene f = test_open_scene("start S\nrule S -> A\nrule A -> B\n\nrule B -> polygon(0, 0, 1, 1, 1, 0, 0, 1)\n", 1);
+    sg_error err = SG_ERROR_INIT;
+    ck_assert_int_eq(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err), SG_ENUMERIC);
+    ck_assert_msg(strstr(err.msg, "S > A > B (rule in line 5): ") == err.msg, "%s", err.msg);
+    test_close_scene(&f);
     check_fails("size(6, 0, 5) " L_SHAPE " hip_roof(90)", "90 degrees");
     check_fails("size(6, 0, 5) " L_SHAPE " hip_roof(45, -1.1)", "overhang is too large");
     check_fails("size(6, 0, 6) polygon(0, 0, 1, 0, 1, 1, 2/3, 1, 2/3, 0.5, 1/3, 0.5, 1/3, 1, 0, 1) hip_roof(45, 1.1)", "overhang");

@@ -12,10 +12,13 @@ static sg_status read_block(sg_scene_body *b, size_t first, size_t end, sg_scene
 
 sg_status sg_scene_fail(sg_scene_body *b, const char *what)
 {
-    const char *name = sg_grammar_symbol(b->d->grammar, b->d->nodes[b->node].symbol)->name;
+    char path[480];
+    if (b->err == NULL)
+        return SG_ENUMERIC;
+    sg_derivation_path(b->d, b->node, path, sizeof path);
     if (b->r != NULL && b->r->line > 0)
-        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", name, (unsigned)b->r->line, what);
-    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", name, what);
+        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", path, (unsigned)b->r->line, what);
+    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", path, what);
 }
 
 sg_status sg_scene_count(sg_scene_body *b)

@@ -95,7 +95,8 @@ static const char *read_lists(glb *g)
 {
     for (int i = 0; i < NLISTS; i++) {
         g->list[i] = json_object_get(g->root, list_names[i]);
-        MUST(g->list[i] == NULL || (json_is_array(g->list[i]) && json_array_size(g->list[i]) > 0), "a list is not empty");
+        MUST(g->list[i] == NULL || (json_is_array(g->list[i]) && json_array_size(g->list[i]) > 0),
+             "a list is not empty");
         g->used[i] = calloc(json_array_size(g->list[i]) + 1, sizeof(bool));
     }
     return NULL;
@@ -129,7 +130,10 @@ static bool get_size(const json_t *object, const char *name, size_t otherwise, s
 
 static size_t size_of(int type)
 {
-    return type == FLOAT || type == UINT ? 4 : type == USHORT || type == BYTE + 2 ? 2 : type == BYTE || type == UBYTE ? 1 : 0;
+    return type == FLOAT || type == UINT        ? 4
+           : type == USHORT || type == BYTE + 2 ? 2
+           : type == BYTE || type == UBYTE      ? 1
+                                                : 0;
 }
 
 static unsigned ncomponents_of(const char *shape)
@@ -147,7 +151,8 @@ static const char *read_view(glb *g, const json_t *accessor, int target, view *v
     MUST(bv != NULL, "a buffer view that is there");
     MUST(refer(g, json_object_get(bv, "buffer"), BUFFERS) != NULL, "a buffer that is there");
     size_t length;
-    MUST(get_size(bv, "byteOffset", 0, begin) && get_size(bv, "byteLength", 0, &length) && length > 0, "a buffer view's place");
+    MUST(get_size(bv, "byteOffset", 0, begin) && get_size(bv, "byteLength", 0, &length) && length > 0,
+         "a buffer view's place");
     MUST(*begin <= g->bin_length && length <= g->bin_length - *begin, "a buffer view stays in the buffer");
     MUST(json_integer_value(json_object_get(bv, "target")) == target, "target of a buffer view");
     const json_t *stride = json_object_get(bv, "byteStride");
@@ -200,8 +205,8 @@ static const char *check_box(const view *v, const json_t *accessor, bool require
     return NULL;
 }
 
-static const char *read_attribute(glb *g, const json_t *attributes, const char *name, unsigned ncomponents, size_t count,
-                                  view *v)
+static const char *read_attribute(glb *g, const json_t *attributes, const char *name, unsigned ncomponents,
+                                  size_t count, view *v)
 {
     const json_t *index = json_object_get(attributes, name);
     MUST(index != NULL, "an attribute is missing");
@@ -211,7 +216,8 @@ static const char *read_attribute(glb *g, const json_t *attributes, const char *
     for (size_t i = 0; i < v->count; i++)
         for (unsigned c = 0; c < ncomponents; c++)
             MUST(isfinite(f32(v->data + i * v->stride + 4 * c)), "finite numbers");
-    return check_box(v, json_array_get(g->list[ACCESSORS], (size_t)json_integer_value(index)), strcmp(name, "POSITION") == 0);
+    return check_box(v, json_array_get(g->list[ACCESSORS], (size_t)json_integer_value(index)),
+                     strcmp(name, "POSITION") == 0);
 }
 
 static uint32_t index_at(const view *v, size_t i)
@@ -272,12 +278,12 @@ static const char *check_meshes(glb *g)
 {
     size_t i, k;
     json_t *mesh, *primitive;
-    json_array_foreach (g->list[MESHES], i, mesh) {
+    json_array_foreach(g->list[MESHES], i, mesh)
+    {
         json_t *list = json_object_get(mesh, "primitives");
         MUST(is_named(mesh), "meshes have names");
         MUST(json_array_size(list) > 0, "a mesh has primitives");
-        json_array_foreach (list, k, primitive)
-            TRY(check_primitive(g, primitive));
+        json_array_foreach(list, k, primitive) TRY(check_primitive(g, primitive));
     }
     return NULL;
 }
@@ -286,15 +292,18 @@ static const char *check_materials(const glb *g)
 {
     size_t i, k;
     json_t *m, *x;
-    json_array_foreach (g->list[MATERIALS], i, m) {
-        const json_t *pbr = json_object_get(m, "pbrMetallicRoughness"), *color = json_object_get(pbr, "baseColorFactor");
+    json_array_foreach(g->list[MATERIALS], i, m)
+    {
+        const json_t *pbr = json_object_get(m, "pbrMetallicRoughness"),
+                     *color = json_object_get(pbr, "baseColorFactor");
         MUST(is_named(m), "materials have names");
         MUST(json_array_size(color) == 4, "a base colour of four numbers");
-        json_array_foreach (color, k, x)
-            MUST(json_is_number(x) && json_number_value(x) >= 0 && json_number_value(x) <= 1, "a base colour from 0 to 1");
+        json_array_foreach(color, k, x) MUST(
+            json_is_number(x) && json_number_value(x) >= 0 && json_number_value(x) <= 1, "a base colour from 0 to 1");
         for (int f = 0; f < 2; f++) {
             const json_t *factor = json_object_get(pbr, f == 0 ? "metallicFactor" : "roughnessFactor");
-            MUST(json_is_number(factor) && json_number_value(factor) >= 0 && json_number_value(factor) <= 1, "factors from 0 to 1");
+            MUST(json_is_number(factor) && json_number_value(factor) >= 0 && json_number_value(factor) <= 1,
+                 "factors from 0 to 1");
         }
     }
     return NULL;
@@ -307,9 +316,9 @@ static const char *check_scene(glb *g)
     MUST(json_array_size(scenes) == 1 && json_integer_value(json_object_get(g->root, "scene")) == 0, "one scene");
     json_t *nodes = json_object_get(json_array_get(scenes, 0), "nodes");
     MUST(nodes == NULL || json_array_size(nodes) > 0, "a list is not empty");
-    json_array_foreach (nodes, i, node)
-        MUST(refer(g, node, NODES) != NULL, "a node that is there");
-    json_array_foreach (g->list[NODES], i, node) {
+    json_array_foreach(nodes, i, node) MUST(refer(g, node, NODES) != NULL, "a node that is there");
+    json_array_foreach(g->list[NODES], i, node)
+    {
         MUST(is_named(node), "nodes have names");
         MUST(refer(g, json_object_get(node, "mesh"), MESHES) != NULL, "a mesh that is there");
     }
@@ -324,7 +333,8 @@ static const char *check_buffer(const glb *g)
         return NULL;
     }
     const json_int_t length = json_integer_value(json_object_get(json_array_get(g->list[BUFFERS], 0), "byteLength"));
-    MUST(n == 1 && json_object_get(json_array_get(g->list[BUFFERS], 0), "uri") == NULL, "the buffer is the binary chunk");
+    MUST(n == 1 && json_object_get(json_array_get(g->list[BUFFERS], 0), "uri") == NULL,
+         "the buffer is the binary chunk");
     MUST(length > 0 && (size_t)length <= g->bin_length && g->bin_length - (size_t)length < 4, "length of the buffer");
     for (size_t i = (size_t)length; i < g->bin_length; i++)
         MUST(g->bin[i] == 0, "the binary chunk is padded with zeros");

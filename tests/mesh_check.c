@@ -173,8 +173,7 @@ static void list_edges(checker *c)
     for (size_t i = 0; i < c->m->nfaces; i++) {
         const sg_mesh_face *f = c->m->faces + i;
         for (uint32_t k = 0; k < f->ncorners; k++)
-            c->edges[c->nedges++] =
-                (edge){f->corner[k].vertex, f->corner[(k + 1) % f->ncorners].vertex, (uint32_t)i};
+            c->edges[c->nedges++] = (edge){f->corner[k].vertex, f->corner[(k + 1) % f->ncorners].vertex, (uint32_t)i};
     }
     qsort(c->edges, c->nedges, sizeof *c->edges, compare_edges);
 }
@@ -272,8 +271,8 @@ const char *mesh_check(const sg_mesh *m, size_t *nopen)
     c.volume = calloc(m->nvertices + 1, sizeof *c.volume);
     c.open = calloc(m->nvertices + 1, sizeof *c.open);
     c.first = malloc((m->nvertices + 1) * sizeof *c.first);
-    const bool room = c.edges != NULL && c.keys != NULL && c.single != NULL && c.up != NULL && c.volume != NULL && c.open != NULL &&
-                      c.first != NULL;
+    const bool room = c.edges != NULL && c.keys != NULL && c.single != NULL && c.up != NULL && c.volume != NULL &&
+                      c.open != NULL && c.first != NULL;
     const char *wrong = room ? check_all(&c, &open) : "out of memory";
     if (nopen != NULL)
         *nopen = open;

@@ -7,7 +7,8 @@
 
 /** Triangles and quadrilaterals with an area and different corners; normals of length 1 that agree with the winding;
  *  finite numbers; no face twice; each edge used once in either direction, but for flat parts and those of mesh
- *  files, which may have a border; closed surfaces that hold a positive volume; faces in their groups; materials, colours and names valid.
+ *  files, which may have a border; closed surfaces that hold a positive volume; faces in their groups; materials, colours and
+ *  names valid.
  *  @param nopen  out, when all is well: parts with a border; may be NULL
  *  @return NULL, or what is wrong, in a few words */
 const char *mesh_check(const sg_mesh *m, size_t *nopen);

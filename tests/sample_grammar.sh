@@ -79,7 +79,8 @@ expect 3 "$sample" "$work/plant.sg" -o "$work/m5" --formats obj,svg # no labels
 # The same as binary glTF, with what is written beside it.
 expect 0 "$sample" "$work/plant.sg" -n 3 -o "$work/m7" --name p --formats gltf,obj --threads 2 --json "$work/m7.json"
 expect 0 "$sample" "$work/plant.sg" -n 3 -o "$work/m8" --name p --formats gltf --threads 1
-[ "$(find "$work/m7" -type f | wc -l)" -eq 9 ] && [ "$(find "$work/m8" -type f | wc -l)" -eq 3 ] || fail "other glTF files than expected"
+[ "$(find "$work/m7" -type f | wc -l)" -eq 9 ] && [ "$(find "$work/m8" -type f | wc -l)" -eq 3 ] ||
+    fail "other glTF files than expected"
 for i in 1 2 3; do
     cmp -s "$work/m7/p-000$i.glb" "$work/m8/p-000$i.glb" || fail "two threads write other glTF"
     cmp -s "$work/m7/p-000$i.obj" "$work/m1/p-000$i.obj" || fail "glTF changes the OBJ"
@@ -90,7 +91,8 @@ cmp -s "$work/m.json" "$work/m7.json" || fail "glTF changes the report"
 mkdir "$work/mesh"
 printf 'label t\nstart S\nrule S -> size(2, 2, 2) insert("parts/tent.obj")\n' >"$work/mesh/g.sg"
 expect 3 "$sample" "$work/mesh/g.sg" -o "$work/m9" --formats obj
-grep -q "mesh/g.sg:3: error: insert(parts/tent.obj): there is no mesh file $work/mesh/parts/tent.obj" "$work/err" || fail "no place of the insert"
+grep -q "mesh/g.sg:3: error: insert(parts/tent.obj): there is no mesh file $work/mesh/parts/tent.obj" "$work/err" ||
+    fail "no place of the insert"
 [ ! -e "$work/m9" ] || fail "a missing mesh leaves a folder"
 expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m9" --formats derivation
 mkdir "$work/mesh/parts"

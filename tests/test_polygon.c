@@ -21,7 +21,8 @@ static sg_mesh mesh_of(const sg_scene *scene)
 static const char *program(const char *body)
 {
     static char text[4000];
-    snprintf(text, sizeof text, "label t\nlabel w\nlabel b\nstart S\nrule S -> translate(3, -1, 2) rotate(10, 20, 30) %s\n", body);
+    snprintf(text, sizeof text,
+             "label t\nlabel w\nlabel b\nstart S\nrule S -> translate(3, -1, 2) rotate(10, 20, 30) %s\n", body);
     return text;
 }
 
@@ -32,7 +33,8 @@ static void check_volume(const char *body, double volume, size_t nprimitives)
     size_t nopen = 1;
     const char *wrong = mesh_check(&m, &nopen);
     ck_assert_msg(wrong == NULL && nopen == 0, "%s: %s", body, wrong != NULL ? wrong : "open faces");
-    ck_assert_msg(fabs(mesh_volume(&m) - volume) <= 1e-9 * (1 + fabs(volume)), "%s: %.12g, not %.12g", body, mesh_volume(&m), volume);
+    ck_assert_msg(fabs(mesh_volume(&m) - volume) <= 1e-9 * (1 + fabs(volume)), "%s: %.12g, not %.12g", body,
+                  mesh_volume(&m), volume);
     ck_assert_uint_eq(f.scene.n, nprimitives);
     sg_mesh_clear(&m);
     test_close_scene(&f);
@@ -67,7 +69,8 @@ START_TEST(prisms_have_their_volumes)
     check_volume("size(6, 0, 5) " L_SHAPE " extrude(3)", 18 * 3, 1);
     check_volume("size(6, 0, 5) " L_SHAPE " extrude(-3)", 18 * 3, 1);
     check_volume("size(6, 5, 0) " L_SHAPE " extrude(3) t", 18 * 3, 1);
-    check_volume("size(6, 0, 5) polygon(0, 0, 0, 1, 1/3, 1, 1/3, 0.4, 1, 0.4, 1, 0) extrude(3)", 18 * 3, 1); /* clockwise */
+    check_volume("size(6, 0, 5) polygon(0, 0, 0, 1, 1/3, 1, 1/3, 0.4, 1, 0.4, 1, 0) extrude(3)", 18 * 3,
+                 1); /* clockwise */
     check_volume("size(6, 7, 5) " L_SHAPE " extrude(3)", 18 * 3, 1);
     check_volume("size(6, 0, 5) " L_SHAPE " extrude(3) insert(box) scale(2, 2, 1) insert(box)", 18 * 3 * 5, 2);
     check_volume("size(6, 0, 5) " L_SHAPE " extrude(3) split z { 1 : t | ~1 : t | '0.1 : t }", 18 * 3, 3);
@@ -77,7 +80,8 @@ START_TEST(prisms_have_their_volumes)
     check_volume("size(6, 0, 5) polygon(0, 0, 1, 0, 1, 1, 0, 1) extrude(2)", 6 * 5 * 2, 1);
     check_volume("size(6, 0, 5) " L_SHAPE " flat_roof(0.5)", 18 * 0.5, 1);
     check_volume("size(6, 0, 5) " L_SHAPE " extrude(3) S2\nrule S2 -> flat_roof(0.5) t", 18 * 3.5, 2); /* inherited */
-    check_volume("size(6, 0, 5) polygon(0, 0, 1, 0, 1, 1, 0, 1) polygon(0, 0, 1, 0, 0, 1) extrude(2)", 6 * 5 / 2.0 * 2, 1);
+    check_volume("size(6, 0, 5) polygon(0, 0, 1, 0, 1, 1, 0, 1) polygon(0, 0, 1, 0, 0, 1) extrude(2)", 6 * 5 / 2.0 * 2,
+                 1);
     check_area("size(6, 0, 5) " L_SHAPE " t", 18, 1);
     check_area("size(6, 0, 5) " L_SHAPE " insert(box)", 18, 1);
     check_area("size(6, 0, 5) " L_SHAPE " flat_roof()", 18, 1);
@@ -115,7 +119,8 @@ static void check_frame(const sg_primitive *p, const double *origin, const doubl
 /* On the ground x runs to the right, y to the back and z up; walls stand upright and look outwards. */
 START_TEST(faces_stand_where_they_should)
 {
-    test_scene f = test_scene_of("label t\nstart S\nrule S -> size(6, 0, 5) " L_SHAPE " extrude(3) components { all : t }\n");
+    test_scene f =
+        test_scene_of("label t\nstart S\nrule S -> size(6, 0, 5) " L_SHAPE " extrude(3) components { all : t }\n");
     ck_assert_uint_eq(f.scene.n, 8);
     const sg_primitive *p = f.scene.items;
     check_frame(p, (double[]){0, 0, 5}, (double[]){1, 0, 0}, (double[]){0, 0, 1});
@@ -172,7 +177,8 @@ static void check_fails(const char *body, const char *sentence)
     sg_error err = SG_ERROR_INIT;
     test_scene f = test_open_scene(program(body), 1);
     ck_assert_int_eq(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err), SG_ENUMERIC);
-    ck_assert_msg(strstr(err.msg, "S (rule in line 5): ") == err.msg && strstr(err.msg, sentence) != NULL, "%s", err.msg);
+    ck_assert_msg(strstr(err.msg, "S (rule in line 5): ") == err.msg && strstr(err.msg, sentence) != NULL, "%s",
+                  err.msg);
     ck_assert_uint_eq(f.scene.n, 0);
     test_close_scene(&f);
 }
@@ -186,14 +192,16 @@ START_TEST(what_cannot_be_is_told_with_its_rule)
     check_fails("size(6, 0, 5) " L_SHAPE " extrude(3) split x { t | t }", "cut along z alone");
     check_fails("size(6, 0, 5) " L_SHAPE " extrude(3) repeat y 2 { t }", "cut along z alone");
     check_fails("size(6, 0, 5) " L_SHAPE " gable_roof(30)", "rectangles alone");
-    test_scene f = test_open_scene("start S\nrule S -> A\nrule A -> B\n\nrule B -> polygon(0, 0, 1, 1, 1, 0, 0, 1)\n", 1);
+    test_scene f =
+        test_open_scene("start S\nrule S -> A\nrule A -> B\n\nrule B -> polygon(0, 0, 1, 1, 1, 0, 0, 1)\n", 1);
     sg_error err = SG_ERROR_INIT;
     ck_assert_int_eq(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err), SG_ENUMERIC);
     ck_assert_msg(strstr(err.msg, "S > A > B (rule in line 5): ") == err.msg, "%s", err.msg);
     test_close_scene(&f);
     check_fails("size(6, 0, 5) " L_SHAPE " hip_roof(90)", "90 degrees");
     check_fails("size(6, 0, 5) " L_SHAPE " hip_roof(45, -1.1)", "overhang is too large");
-    check_fails("size(6, 0, 6) polygon(0, 0, 1, 0, 1, 1, 2/3, 1, 2/3, 0.5, 1/3, 0.5, 1/3, 1, 0, 1) hip_roof(45, 1.1)", "overhang");
+    check_fails("size(6, 0, 6) polygon(0, 0, 1, 0, 1, 1, 2/3, 1, 2/3, 0.5, 1/3, 0.5, 1/3, 1, 0, 1) hip_roof(45, 1.1)",
+                "overhang");
 }
 END_TEST
 
@@ -220,7 +228,8 @@ START_TEST(random_polygons_have_sound_meshes)
         char body[2000] = "size(9, 0, 7) polygon(";
         const unsigned n = 3 + (unsigned)gsl_rng_uniform_int(rng, SG_PRIMITIVE_CORNERS - 2);
         for (unsigned i = 0; i < n; i++) {
-            const double r = n == 3 ? 0.5 : 0.2 + 0.3 * gsl_rng_uniform(rng), a = 6.283185307179586 * (i + 0.5 * gsl_rng_uniform(rng)) / n;
+            const double r = n == 3 ? 0.5 : 0.2 + 0.3 * gsl_rng_uniform(rng),
+                         a = 6.283185307179586 * (i + 0.5 * gsl_rng_uniform(rng)) / n;
             snprintf(body + strlen(body), 100, "%s%.4f, %.4f", i > 0 ? ", " : "", 0.5 + r * cos(a), 0.5 + r * sin(a));
         }
         strcat(body, ") extrude(4) split z { 1 : A | 2 : A | ~1 : A }\n"
@@ -237,8 +246,10 @@ START_TEST(random_polygons_have_sound_meshes)
         ck_ok(sg_scene_interpret_slice(&f.d, 0, &first, &f.opts, &f.scene, &states, &err));
         for (size_t i = 0; i < states.n; i++) {
             again.n = 0;
-            ck_ok(sg_scene_interpret_slice(&f.d, states.places[i].node, &states.places[i].state, &f.opts, &again, NULL, &err));
-            test_must(again.n == 0 || memcmp(again.items, f.scene.items + states.places[i].first, again.n * sizeof *again.items) == 0);
+            ck_ok(sg_scene_interpret_slice(&f.d, states.places[i].node, &states.places[i].state, &f.opts, &again, NULL,
+                                           &err));
+            test_must(again.n == 0 ||
+                      memcmp(again.items, f.scene.items + states.places[i].first, again.n * sizeof *again.items) == 0);
         }
         sg_scene_states_clear(&states);
         sg_scene_clear(&again);

@@ -97,7 +97,8 @@ START_TEST(known_skeletons)
     static const point in_line[] = {{0, 0}, {2, 0}, {4, 0}, {4, 4}, {0, 4}}; /* a corner that is none */
     const sg_skeleton five = skeleton_of(in_line, 5);
     ck_assert_double_eq_tol(check_faces(in_line, 5, &five), 4.0 * 4 * 2 / 3, 1e-9);
-    static const point cross[] = {{2, 0}, {4, 0}, {4, 2}, {6, 2}, {6, 4}, {4, 4}, {4, 6}, {2, 6}, {2, 4}, {0, 4}, {0, 2}, {2, 2}};
+    static const point cross[] = {{2, 0}, {4, 0}, {4, 2}, {6, 2}, {6, 4}, {4, 4},
+                                  {4, 6}, {2, 6}, {2, 4}, {0, 4}, {0, 2}, {2, 2}};
     check_known(cross, 12, 1, 2 * (2 * 2 * (3 * 6 - 2) / 12.0) - 4.0 / 3, 12 + 5);
     static const point u[] = {{0, 0}, {8, 0}, {8, 6}, {5, 6}, {5, 3}, {3, 3}, {3, 6}, {0, 6}};
     const sg_skeleton us = skeleton_of(u, 8);
@@ -193,7 +194,8 @@ static size_t star(gsl_rng *rng, point *p)
 {
     const size_t n = 4 + gsl_rng_uniform_int(rng, SG_SKELETON_CORNERS - 3);
     for (size_t i = 0; i < n; i++) {
-        const double r = 1 + 3 * gsl_rng_uniform(rng), angle = 2 * pi * ((double)i + 0.5 * gsl_rng_uniform(rng)) / (double)n;
+        const double r = 1 + 3 * gsl_rng_uniform(rng),
+                     angle = 2 * pi * ((double)i + 0.5 * gsl_rng_uniform(rng)) / (double)n;
         p[i][0] = r * cos(angle);
         p[i][1] = r * sin(angle);
     }

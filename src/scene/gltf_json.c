@@ -158,9 +158,9 @@ static json_t *root_json(const sg_mesh *mesh, const sg_gltf_pack *pack)
         return json_pack("{s:{s:s, s:s}, s:i, s:[{}]}", "asset", "generator", "shapegram", "version", "2.0", "scene", 0,
                          "scenes");
     return json_pack("{s:{s:s, s:s}, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:[{s:I}]}", "asset", "generator", "shapegram",
-                     "version", "2.0", "scene", 0, "scenes", scene_json(pack), "nodes", nodes_json(mesh, pack), "meshes",
-                     meshes_json(mesh, pack), "materials", materials_json(mesh, pack), "accessors", accessors_json(pack),
-                     "bufferViews", views_json(pack), "buffers", "byteLength", n);
+                     "version", "2.0", "scene", 0, "scenes", scene_json(pack), "nodes", nodes_json(mesh, pack),
+                     "meshes", meshes_json(mesh, pack), "materials", materials_json(mesh, pack), "accessors",
+                     accessors_json(pack), "bufferViews", views_json(pack), "buffers", "byteLength", n);
 }
 
 /* Nine digits tell all 32-bit numbers apart. */

@@ -13,8 +13,8 @@ typedef struct {
     uint32_t material; /* number in the file, where only those are that are used */
     size_t first_vertex, nvertices;
     size_t index_offset, nindices;
-    unsigned index_size;    /* bytes: 2 or 4 */
-    float low[3], high[3];  /* of the positions */
+    unsigned index_size;   /* bytes: 2 or 4 */
+    float low[3], high[3]; /* of the positions */
 } sg_gltf_primitive;
 
 /** The parts of the buffer, little-endian: float positions, normals, texture coordinates (from the top), indices. Each

@@ -10,7 +10,7 @@ typedef struct {
     sg_mesh_builder *b;
     const sg_primitive *p;
     const sg_obj *obj;
-    double factor[3], low[3]; /* from the file to the scope */
+    double factor[3], low[3];        /* from the file to the scope */
     uint32_t vertices, normals, uvs; /* the first of each */
     uint32_t material, group;        /* of the face before */
     bool any;                        /* there was one */

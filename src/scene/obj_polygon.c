@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-static sg_status add_face(sg_obj *obj, const sg_mesh_corner *corners, const uint32_t *which, uint32_t n, uint32_t material,
-                          sg_error *err)
+static sg_status add_face(sg_obj *obj, const sg_mesh_corner *corners, const uint32_t *which, uint32_t n,
+                          uint32_t material, sg_error *err)
 {
     if (!SG_GROW(obj->faces, obj->faces_capacity, obj->nfaces + 1))
         return SG_FAIL_NOMEM(err);

@@ -116,8 +116,8 @@ static sg_status read_index(reader *r, size_t *at, size_t end, size_t n, const c
     if (digits == 0)
         return sg_obj_fail(&r->t, first, "expected the number of a %s", what);
     if (value == 0 || value > n)
-        return sg_obj_fail(&r->t, first, "there %s %zu %s%s so far, and no number %.*s", n == 1 ? "is" : "are", n,
-                           what, n == 1 ? "" : "s", (int)(*at - first < 20 ? *at - first : 20), text + first);
+        return sg_obj_fail(&r->t, first, "there %s %zu %s%s so far, and no number %.*s", n == 1 ? "is" : "are", n, what,
+                           n == 1 ? "" : "s", (int)(*at - first < 20 ? *at - first : 20), text + first);
     *out = (uint32_t)(negative ? n - value : value - 1);
     return SG_OK;
 }
@@ -188,12 +188,13 @@ static sg_status read_statement(reader *r)
     static const struct {
         const char *word;
         sg_status (*read)(reader *r);
-    } known[] = {{"v", read_vertex},     {"vt", read_uv},       {"vn", read_normal}, {"f", read_face},
-                 {"fo", read_face},      {"usemtl", read_material}, {"mtllib", read_library},
-                 {"o", pass_line},       {"g", pass_line},      {"s", pass_line},    {"mg", pass_line},
-                 {"l", pass_line},       {"p", pass_line},      {"lod", pass_line},  {"bevel", pass_line},
-                 {"usemap", pass_line},  {"maplib", pass_line}, {"c_interp", pass_line}, {"d_interp", pass_line},
-                 {"shadow_obj", pass_line}, {"trace_obj", pass_line}};
+    } known[] = {{"v", read_vertex},       {"vt", read_uv},           {"vn", read_normal},
+                 {"f", read_face},         {"fo", read_face},         {"usemtl", read_material},
+                 {"mtllib", read_library}, {"o", pass_line},          {"g", pass_line},
+                 {"s", pass_line},         {"mg", pass_line},         {"l", pass_line},
+                 {"p", pass_line},         {"lod", pass_line},        {"bevel", pass_line},
+                 {"usemap", pass_line},    {"maplib", pass_line},     {"c_interp", pass_line},
+                 {"d_interp", pass_line},  {"shadow_obj", pass_line}, {"trace_obj", pass_line}};
     const sg_obj_word w = sg_obj_next_word(&r->t);
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (sg_obj_is_word(&r->t, w, known[i].word))

@@ -21,9 +21,9 @@ typedef struct {
 
 /** A material library that the file names. */
 typedef struct {
-    const char *name;   /* as it stands in the file */
-    size_t at;          /* byte of the file where */
-    const char *path;   /* that was read; NULL: none */
+    const char *name; /* as it stands in the file */
+    size_t at;        /* byte of the file where */
+    const char *path; /* that was read; NULL: none */
 } sg_obj_library;
 
 /** A zeroed one is empty. Strings live as long as it. */

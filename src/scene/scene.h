@@ -39,8 +39,8 @@ typedef enum {
 
 enum { SG_PRIMITIVE_CORNERS = 12 };
 
-/** Convex, but for meshes, and for corner[] that turn to the right somewhere: those polygons are simple. Fields that a kind has no use for are 0, and there is no padding: equal primitives are
- *  equal bytes. */
+/** Convex, but for meshes, and where corner[] turns to the right somewhere: those polygons are simple. Fields that a kind
+ *  has no use for are 0, and there is no padding: equal primitives are equal bytes. */
 typedef struct {
     sg_frame frame;
     double size[3];
@@ -106,8 +106,8 @@ sg_scene_state sg_scene_first_state(const sg_scene_opts *opts);
 /** Interpret a derivation. The scene is emptied first and keeps its memory; start from a zeroed one and free it with
  *  sg_scene_clear(). It takes no recursion over the tree, whatever its depth.
  *  @return SG_OK, SG_EINVAL (no node), SG_ENUMERIC (a size, length or angle is not finite, a part's size is negative, a
- *  roof of 90 degrees or more, more than max_places, children that do not fit a rule, a
- *  polygon whose sides cross or that has no such roof; the sentence begins with the path of symbols), SG_ENOMEM; on failure the scene is empty */
+ *  roof of 90 degrees or more, more than max_places, children that do not fit a rule, a polygon whose sides cross or that
+ *  has no such roof; the sentence begins with the path of symbols), SG_ENOMEM; on failure the scene is empty */
 sg_status sg_scene_interpret(const sg_derivation *d, const sg_scene_opts *opts, sg_scene *scene, sg_error *err);
 
 /** Interpret the subtree of `node` from the state that it inherits, appending to the scene. The slices of the places of

@@ -35,7 +35,8 @@ static bool between(const double *a, const double *b, const double *c)
 /* Do two sides that share no corner touch? */
 static bool touch(const double *a, const double *b, const double *c, const double *d, double small)
 {
-    const int s[4] = {side_of(a, b, c, small), side_of(a, b, d, small), side_of(c, d, a, small), side_of(c, d, b, small)};
+    const int s[4] = {side_of(a, b, c, small), side_of(a, b, d, small), side_of(c, d, a, small),
+                      side_of(c, d, b, small)};
     if (s[0] * s[1] < 0 && s[2] * s[3] < 0)
         return true;
     return (s[0] == 0 && between(a, b, c)) || (s[1] == 0 && between(a, b, d)) || (s[2] == 0 && between(c, d, a)) ||

@@ -18,11 +18,11 @@ typedef struct {
 /* A corner of the wavefront, between two edges of the polygon. */
 typedef struct {
     int in, out;
-    int before, after;   /* vertices of its loop */
-    int node;            /* where it began */
+    int before, after; /* vertices of its loop */
+    int node;          /* where it began */
     double start[2], v[2];
     double birth;
-    bool alive, stuck;   /* stuck: its edges run against each other, what is between them is gone */
+    bool alive, stuck; /* stuck: its edges run against each other, what is between them is gone */
 } vertex;
 
 typedef struct {
@@ -174,7 +174,8 @@ static void consider_split(const wave *w, int i, int k, event *best)
     double at[2], a[2], b[2];
     place_at(v, w->now, at);
     const double gap = dot2(l->normal, at) - l->at - w->now, closing = 1 - dot2(l->normal, v->v);
-    if (k == i || from->after == i || from->out == v->in || from->out == v->out || gap < -10 * w->small || closing < 1e-9)
+    if (k == i || from->after == i || from->out == v->in || from->out == v->out || gap < -10 * w->small ||
+        closing < 1e-9)
         return;
     const double time = w->now + fmax(0, gap) / closing;
     place_at(v, time, at);
@@ -297,7 +298,8 @@ static bool trace_face(wave *w, int i)
             return false;
         f->corner[f->ncorners++] = (uint8_t)at;
         for (size_t k = 0; k < w->narcs; k++)
-            if (!used[k] && (w->arcs[k].left == i || w->arcs[k].right == i) && (w->arcs[k].a == at || w->arcs[k].b == at)) {
+            if (!used[k] && (w->arcs[k].left == i || w->arcs[k].right == i) &&
+                (w->arcs[k].a == at || w->arcs[k].b == at)) {
                 next = k;
                 ways++;
             }
@@ -372,7 +374,8 @@ static bool begin(wave *w, const double (*p)[2])
     w->nvertices = w->n; /* so that each may tell its neighbours */
     for (int i = 0; i < n; i++) {
         vertex *v = w->vertices + i;
-        *v = (vertex){.in = (i + n - 1) % n, .out = i, .before = (i + n - 1) % n, .after = (i + 1) % n, .node = i, .alive = true};
+        *v = (vertex){
+            .in = (i + n - 1) % n, .out = i, .before = (i + n - 1) % n, .after = (i + 1) % n, .node = i, .alive = true};
         memcpy(v->start, p[i], sizeof v->start);
         find_speed(w, v);
         if (v->stuck)

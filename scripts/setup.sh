@@ -26,7 +26,7 @@ needs_build='command:gcc:gcc command:g++:g++ command:make:make command:autorecon
 command:pkg-config:pkg-config command:flex:flex command:bison:bison command:xz:xz-utils module:gsl:libgsl-dev
 module:openblas:libopenblas-dev module:lapacke:liblapacke-dev module:libpng:libpng-dev module:libjpeg:libjpeg-dev
 module:zlib:zlib1g-dev module:jansson:libjansson-dev module:opencv4:libopencv-dev header:Random123/philox.h:librandom123-dev header:uthash.h:uthash-dev'
-needs_check='module:check:check command:mandoc:mandoc command:dot:graphviz'
+needs_check='module:check:check command:mandoc:mandoc command:dot:graphviz command:assimp:assimp-utils'
 needs_demo='command:dot:graphviz'
 needs_clang='command:clang:clang command:clang++:clang header:omp.h:libomp-dev'
 

@@ -161,6 +161,7 @@ static void job_close(sample_job *j)
     for (size_t i = 0; j->thumbs != NULL && i < j->nthumbs; i++)
         sg_image_clear(j->thumbs + i);
     sg_derivation_file_clear(&j->stored);
+    sg_assets_free(j->assets);
     free(j->thumbs);
     free(j->stats);
     free(j->share);
@@ -181,6 +182,8 @@ static sg_status run(const sample_options *o, const sg_grammar *g, sg_error *err
 {
     sample_job j = {.opts = o, .g = g, .n = o->n};
     sg_status st = load_stored(&j, err);
+    if (st == SG_OK && sample_wants_space(o))
+        st = sg_assets_load(g, o->grammar, &j.assets, err);
     if (st == SG_OK)
         st = job_open(&j, err);
     if (st == SG_OK)

@@ -6,6 +6,7 @@
 #include "core/arena.h"
 #include "derivation/derivation_io.h"
 #include "sample_options.h"
+#include "scene/assets.h"
 #include "scene/label_scene.h"
 #include "scene/mesh.h"
 
@@ -20,6 +21,7 @@ typedef struct {
     const sample_options *opts;
     const sg_grammar *g;
     sg_derivation_file stored; /* none when sampling */
+    sg_assets *assets;         /* NULL without models in space */
     size_t n;                  /* samples */
     char name[256];
     sg_classes classes;
@@ -48,6 +50,12 @@ typedef struct {
 static inline bool sample_wants_labels(const sample_options *o)
 {
     return (o->formats & SAMPLE_ALL_LABELS & ~(o->in_space ? (unsigned)SAMPLE_SHEET : 0)) != 0;
+}
+
+/** Does a format ask for models in space? */
+static inline bool sample_wants_space(const sample_options *o)
+{
+    return (o->formats & (SAMPLE_OBJ | SAMPLE_GLTF | SAMPLE_RENDER | (o->in_space ? (unsigned)SAMPLE_SHEET : 0))) != 0;
 }
 
 /** Never what is read: -o may name the folder it stands in. @return SG_OK, SG_EINVAL */

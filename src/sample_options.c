@@ -26,6 +26,7 @@ static const char help[] =
     "                       sheet    sheet.png, pictures of the first samples on one page\n"
     "                       derivation  NAME.sgd, the derivation as it is stored\n"
     "                       obj      NAME.obj and NAME.mtl, the model in space\n"
+    "                       gltf     NAME.glb, the same as binary glTF 2.0\n"
     "                       render   NAME.render.png, a picture of the model in space\n"
     "  --scope XxYxZ      size of the first scope of models in space (default 1x1x1)\n"
     "  --detail N         level of detail of models in space: 0 the finest (default) to 15\n"
@@ -85,8 +86,8 @@ static bool parse_projection(const char *arg, sg_view *view)
 
 static bool parse_formats(const char *arg, unsigned *formats)
 {
-    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation",
-                                        "render", "all", NULL};
+    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation", "render",
+                                        "gltf", "all", NULL};
     *formats = 0;
     for (const char *p = arg;;) {
         const size_t length = strcspn(p, ",");
@@ -95,7 +96,7 @@ static bool parse_formats(const char *arg, unsigned *formats)
         snprintf(word, sizeof word, "%.*s", (int)(length < 31 ? length : 31), p);
         if (!sg_program_choice("--formats", word, names, &which))
             return false;
-        *formats |= which == 9 ? SAMPLE_ALL_LABELS : 1U << which;
+        *formats |= which == 10 ? SAMPLE_ALL_LABELS : 1U << which;
         if (p[length] == '\0')
             return true;
         p += length + 1;

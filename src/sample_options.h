@@ -9,7 +9,8 @@
 
 /** What is written. Up to the sheet: of label scenes. A sheet shows these, or pictures of models in space. */
 enum { SAMPLE_LABELS = 1, SAMPLE_RGB = 2, SAMPLE_SVG = 4, SAMPLE_LAT = 8, SAMPLE_JSON = 16, SAMPLE_SHEET = 32,
-       SAMPLE_OBJ = 64, SAMPLE_DERIVATION = 128, SAMPLE_RENDER = 256, SAMPLE_ALL_LABELS = 63 };
+       SAMPLE_OBJ = 64, SAMPLE_DERIVATION = 128, SAMPLE_RENDER = 256, SAMPLE_GLTF = 512,
+       SAMPLE_ALL_LABELS = 63 };
 
 typedef struct {
     sg_common_opts common;

@@ -9,6 +9,7 @@
 #include "parse/scene_lattice.h"
 #include "scene/derivation_json.h"
 #include "scene/label_svg.h"
+#include "scene/mesh_gltf.h"
 #include "scene/mesh_obj.h"
 #include "scene/render.h"
 
@@ -28,6 +29,8 @@ sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error
     if (grammar || is_same_file(j->opts->from, path))
         return SG_FAIL(err, SG_EINVAL, "%s: %s read; choose another folder or --name", path,
                        grammar ? "this is the grammar that is" : "these are the derivations that are");
+    if (j->assets != NULL && sg_assets_has_file(j->assets, path))
+        return SG_FAIL(err, SG_EINVAL, "%s: this mesh, or its materials, is read; choose another folder or --name", path);
     return SG_OK;
 }
 
@@ -100,16 +103,17 @@ static sg_status print_derivation(const sample_job *j, sample_worker *w, FILE *f
     return SG_OK;
 }
 
-static sg_mesh_opts mesh_opts(const sample_options *o)
+static sg_mesh_opts mesh_opts(const sample_job *j)
 {
     sg_mesh_opts mesh = SG_MESH_OPTS_INIT;
-    mesh.detail = (unsigned)o->detail;
+    mesh.detail = (unsigned)j->opts->detail;
+    mesh.assets = j->assets;
     return mesh;
 }
 
 static sg_status make_mesh(const sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
-    const sg_mesh_opts mesh = mesh_opts(j->opts);
+    const sg_mesh_opts mesh = mesh_opts(j);
     sg_scene_opts scene = SG_SCENE_OPTS_INIT;
     memcpy(scene.size, j->opts->scope, sizeof scene.size);
     SG_TRY(sg_scene_interpret(&w->d, &scene, &w->space, err));
@@ -127,11 +131,18 @@ static sg_status write_obj(const sample_job *j, const sample_worker *w, size_t i
     return sg_mesh_obj_save(&w->mesh, path, err);
 }
 
+static sg_status write_gltf(const sample_job *j, const sample_worker *w, size_t i, sg_error *err)
+{
+    char path[4096];
+    SG_TRY(path_of(j, "", i, ".glb", path, sizeof path, err));
+    return sg_mesh_gltf_save(&w->mesh, path, err);
+}
+
 static sg_status render(const sample_job *j, sample_worker *w, size_t i, size_t width, size_t height, sg_image *im,
                         sg_error *err)
 {
     enum { SMALL = 20000 /* faces */ };
-    sg_mesh_opts mesh = mesh_opts(j->opts);
+    sg_mesh_opts mesh = mesh_opts(j);
     const sg_render_opts opts = SG_RENDER_OPTS_INIT;
     mesh.radial *= j->stats[i].faces < SMALL ? 2 : 1; /* what is small can afford to be round */
     SG_TRY(sg_image_create(width, height, im, err));
@@ -160,11 +171,13 @@ static sg_status write_render(const sample_job *j, sample_worker *w, size_t i, s
 static sg_status write_space(const sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
     const bool on_sheet = j->opts->in_space && i < j->nthumbs;
-    if (!(j->opts->formats & (SAMPLE_OBJ | SAMPLE_RENDER)) && !on_sheet)
+    if (!(j->opts->formats & (SAMPLE_OBJ | SAMPLE_GLTF | SAMPLE_RENDER)) && !on_sheet)
         return SG_OK;
     SG_TRY(make_mesh(j, w, i, err));
     if (j->opts->formats & SAMPLE_OBJ)
         SG_TRY(write_obj(j, w, i, err));
+    if (j->opts->formats & SAMPLE_GLTF)
+        SG_TRY(write_gltf(j, w, i, err));
     if (j->opts->formats & SAMPLE_RENDER)
         SG_TRY(write_render(j, w, i, err));
     if (on_sheet && j->thumbs[i].rgb == NULL)

@@ -18,4 +18,5 @@ run_fuzzer() { # NAME FOLDER...
 run_fuzzer grammar "$corpus/grammar" "$SG_SOURCE_DIR/data/grammars"
 run_fuzzer derivation_binary "$corpus/derivation_binary"
 run_fuzzer derivation_json "$corpus/derivation_json"
+run_fuzzer obj "$corpus/obj"
 [ $failures -eq 0 ]

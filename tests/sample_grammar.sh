@@ -76,6 +76,36 @@ expect 0 "$sample" "$grammars/haussmann.sg" -o "$work/m4" --formats obj,svg --sc
 [ "$(grep -c '<rect ' "$work/m4/haussmann-0001.svg")" -eq "$(grep -c '^f ' "$work/m4/haussmann-0001.obj")" ] ||
     fail "the mesh of a facade has not one face a rectangle"
 expect 3 "$sample" "$work/plant.sg" -o "$work/m5" --formats obj,svg # no labels
+# The same as binary glTF, with what is written beside it.
+expect 0 "$sample" "$work/plant.sg" -n 3 -o "$work/m7" --name p --formats gltf,obj --threads 2 --json "$work/m7.json"
+expect 0 "$sample" "$work/plant.sg" -n 3 -o "$work/m8" --name p --formats gltf --threads 1
+[ "$(find "$work/m7" -type f | wc -l)" -eq 9 ] && [ "$(find "$work/m8" -type f | wc -l)" -eq 3 ] ||
+    fail "other glTF files than expected"
+for i in 1 2 3; do
+    cmp -s "$work/m7/p-000$i.glb" "$work/m8/p-000$i.glb" || fail "two threads write other glTF"
+    cmp -s "$work/m7/p-000$i.obj" "$work/m1/p-000$i.obj" || fail "glTF changes the OBJ"
+    [ "$(head -c 4 "$work/m7/p-000$i.glb")" = glTF ] || fail "no glTF"
+done
+cmp -s "$work/m.json" "$work/m7.json" || fail "glTF changes the report"
+# Mesh files stand beside the grammar; they are read only where meshes are written, and never overwritten.
+mkdir "$work/mesh"
+printf 'label t\nstart S\nrule S -> size(2, 2, 2) insert("parts/tent.obj")\n' >"$work/mesh/g.sg"
+expect 3 "$sample" "$work/mesh/g.sg" -o "$work/m9" --formats obj
+grep -q "mesh/g.sg:3: error: insert(parts/tent.obj): there is no mesh file $work/mesh/parts/tent.obj" "$work/err" ||
+    fail "no place of the insert"
+[ ! -e "$work/m9" ] || fail "a missing mesh leaves a folder"
+expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m9" --formats derivation
+mkdir "$work/mesh/parts"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 9\n' >"$work/mesh/parts/tent.obj"
+expect 3 "$sample" "$work/mesh/g.sg" -o "$work/m10" --formats gltf
+grep -q 'parts/tent.obj:8:7: error: ' "$work/err" || fail "no place of the fault in the mesh"
+sed -i 's/3 9/3 4/' "$work/mesh/parts/tent.obj"
+expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m10" --name y --formats gltf,obj
+[ "$(grep -c '^f ' "$work/m10/y-0001.obj")" -eq 4 ] || fail "the mesh that is inserted has not four faces"
+cp "$work/mesh/parts/tent.obj" "$work/mesh/parts/x-0001.obj"
+sed -i 's/tent/x-0001/' "$work/mesh/g.sg"
+expect 2 "$sample" "$work/mesh/g.sg" -o "$work/mesh/parts" --name x --formats obj
+cmp -s "$work/mesh/parts/tent.obj" "$work/mesh/parts/x-0001.obj" || fail "a mesh that is read was overwritten"
 for bad in "--scope 1x1" "--scope 1x-1x1" "--scope 1x1xnan" "--scope 1x1x1x" "--detail 16"; do
     # shellcheck disable=SC2086
     expect 2 "$sample" "$work/plant.sg" -o "$work/m6" --formats obj $bad

@@ -5,6 +5,7 @@
 #include "scene/mesh_obj.h"
 #include "scene/mesh_priv.h"
 #include "tests/failing_malloc.h"
+#include "tests/mesh_check.h"
 #include "tests/scene_support.h"
 #include "tests/temp_folder.h"
 
@@ -14,163 +15,106 @@ static sg_mesh mesh_of(const sg_scene *scene, unsigned radial, unsigned detail)
 {
     sg_error err = SG_ERROR_INIT;
     sg_mesh mesh = {0};
-    const sg_mesh_opts opts = {radial, detail};
+    const sg_mesh_opts opts = {radial, detail, NULL};
     ck_ok(sg_mesh_from_scene(scene, &opts, &mesh, &err));
     return mesh;
 }
 
-/* ---- properties ---- */
-
-typedef struct {
-    uint32_t from, to, face;
-} edge;
-
-static int compare_edges(const void *a, const void *b)
-{
-    const edge *x = a, *y = b;
-    return x->from != y->from ? (x->from < y->from ? -1 : 1) : (x->to > y->to) - (x->to < y->to);
-}
-
-static size_t edges_of(const sg_mesh *m, edge **out)
-{
-    edge *e = malloc((4 * m->nfaces + 1) * sizeof *e);
-    size_t n = 0;
-    for (size_t i = 0; i < m->nfaces; i++) {
-        const sg_mesh_face *f = m->faces + i;
-        for (uint32_t k = 0; k < f->ncorners; k++)
-            e[n++] = (edge){f->corner[k].vertex, f->corner[(k + 1) % f->ncorners].vertex, (uint32_t)i};
-    }
-    qsort(e, n, sizeof *e, compare_edges);
-    *out = e;
-    return n;
-}
-
-/* No edge twice in one direction; edges without their opposite are those of faces that stand alone. Counts these. */
-static size_t count_open_faces(const sg_mesh *m, bool *open)
-{
-    edge *e;
-    size_t nopen = 0;
-    const size_t n = edges_of(m, &e);
-    uint32_t *single = calloc(m->nfaces + 1, sizeof *single);
-    for (size_t i = 0; i < n; i++) {
-        const edge back = {e[i].to, e[i].from, 0};
-        test_must(e[i].from != e[i].to);
-        test_must(i == 0 || compare_edges(e + i, e + i - 1) != 0);
-        single[e[i].face] += bsearch(&back, e, n, sizeof *e, compare_edges) == NULL;
-    }
-    for (size_t i = 0; i < m->nfaces; i++) {
-        test_must(single[i] == 0 || single[i] == m->faces[i].ncorners);
-        open[i] = single[i] > 0;
-        nopen += open[i];
-    }
-    free(single);
-    free(e);
-    return nopen;
-}
-
-/* Twice the area of the face, as a vector along its normal. */
-static void area_vector(const sg_mesh *m, const sg_mesh_face *f, double *out)
-{
-    double a[3], b[3];
-    const uint32_t last = f->ncorners - 1;
-    const double *first = m->vertices[f->corner[0].vertex];
-    sg_vec_add(m->vertices[f->corner[f->ncorners == 4 ? 2 : 1].vertex], -1, first, a);
-    sg_vec_add(m->vertices[f->corner[last].vertex], -1, m->vertices[f->corner[last == 3 ? 1 : 0].vertex], b);
-    sg_vec_cross(a, b, out);
-}
-
-/* Of the surface, by the divergence theorem; quadrilaterals as two triangles. */
-static double face_volume(const sg_mesh *m, const sg_mesh_face *f, const double *origin)
-{
-    double sum = 0;
-    for (uint32_t k = 1; k + 1 < f->ncorners; k++) {
-        double a[3], b[3], c[3], n[3];
-        sg_vec_add(m->vertices[f->corner[0].vertex], -1, origin, a);
-        sg_vec_add(m->vertices[f->corner[k].vertex], -1, origin, b);
-        sg_vec_add(m->vertices[f->corner[k + 1].vertex], -1, origin, c);
-        sg_vec_cross(b, c, n);
-        sum += sg_vec_dot(a, n) / 6;
-    }
-    return sum;
-}
-
-static double volume(const sg_mesh *m)
-{
-    double sum = 0;
-    for (size_t i = 0; i < m->nfaces; i++)
-        sum += face_volume(m, m->faces + i, (const double[]){0, 0, 0});
-    return sum;
-}
-
-/* Normals are of length 1 and agree with the winding. */
-static void check_face(const sg_mesh *m, const sg_mesh_face *f)
-{
-    double n[3];
-    area_vector(m, f, n);
-    test_must(f->ncorners == 3 || f->ncorners == 4);
-    test_must(sg_vec_normalize(n));
-    double straightest = -1;
-    for (uint32_t k = 0; k < f->ncorners; k++) {
-        test_must(f->corner[k].vertex < m->nvertices && f->corner[k].normal < m->nnormals && f->corner[k].uv < m->nuvs);
-        const double *normal = m->normals[f->corner[k].normal];
-        test_must(fabs(sg_vec_length(normal) - 1) < 1e-12);
-        straightest = fmax(straightest, sg_vec_dot(n, normal));
-    }
-    test_must(straightest > 0);
-}
-
-static void check_groups(const sg_mesh *m)
-{
-    size_t first = 0;
-    for (size_t k = 0; k < m->ngroups; k++) {
-        const sg_mesh_group *g = m->groups + k;
-        test_must(g->first == first && g->material < m->nmaterials);
-        for (size_t i = first; i < first + g->n; i++)
-            test_must(m->faces[i].group == k);
-        first += g->n;
-    }
-    test_must(first == m->nfaces);
-}
-
-static uint32_t root(uint32_t *up, uint32_t i)
-{
-    while (up[i] != i)
-        i = up[i] = up[up[i]];
-    return i;
-}
-
-/* Each closed surface holds a positive volume: all its faces look outwards, or none. */
-static void check_volumes(const sg_mesh *m, const bool *open)
-{
-    uint32_t *up = malloc((m->nvertices + 1) * sizeof *up);
-    double *sum = calloc(m->nvertices + 1, sizeof *sum);
-    for (uint32_t i = 0; i < m->nvertices; i++)
-        up[i] = i;
-    for (size_t i = 0; i < m->nfaces; i++)
-        for (uint32_t k = 1; k < m->faces[i].ncorners; k++)
-            up[root(up, m->faces[i].corner[k].vertex)] = root(up, m->faces[i].corner[0].vertex);
-    for (size_t i = 0; i < m->nfaces; i++) {
-        const uint32_t r = root(up, m->faces[i].corner[0].vertex);
-        if (!open[i])
-            sum[r] += face_volume(m, m->faces + i, m->vertices[r]);
-    }
-    for (size_t i = 0; i < m->nfaces; i++)
-        test_must(open[i] || sum[root(up, m->faces[i].corner[0].vertex)] > 0);
-    free(sum);
-    free(up);
-}
-
+/* Faces that stand alone, of a mesh that keeps all rules. */
 static size_t check_mesh(const sg_mesh *m)
 {
-    bool *open = malloc(m->nfaces + 1);
-    const size_t nopen = count_open_faces(m, open);
-    for (size_t i = 0; i < m->nfaces; i++)
-        check_face(m, m->faces + i);
-    check_groups(m);
-    check_volumes(m, open);
-    free(open);
+    size_t nopen = 0;
+    const char *wrong = mesh_check(m, &nopen);
+    ck_assert_msg(wrong == NULL, "%s", wrong);
     return nopen;
 }
+
+/* ---- the rules find what breaks them ---- */
+
+static void check_broken(sg_mesh *m, const char *want)
+{
+    const char *wrong = mesh_check(m, NULL);
+    ck_assert_msg(wrong != NULL && strcmp(wrong, want) == 0, "%s, not %s", wrong != NULL ? wrong : "all well", want);
+    sg_mesh_clear(m);
+}
+
+static sg_mesh box_mesh(void)
+{
+    test_scene f = test_scene_of("start S\nrule S -> insert(box)\n");
+    sg_mesh m = mesh_of(&f.scene, 8, 0);
+    test_close_scene(&f);
+    ck_assert_uint_eq(check_mesh(&m), 0);
+    return m;
+}
+
+START_TEST(a_broken_mesh_is_found)
+{
+    sg_mesh m = box_mesh();
+    m.vertices[3][1] = NAN;
+    check_broken(&m, "a place that is not finite");
+    m = box_mesh();
+    m.uvs[3][1] = INFINITY;
+    check_broken(&m, "a texture coordinate that is not finite");
+    m = box_mesh();
+    m.normals[3][1] += 0.01;
+    check_broken(&m, "a normal that is not of length 1");
+    m = box_mesh();
+    m.faces[2].ncorners = 2;
+    check_broken(&m, "a face that is neither triangle nor quadrilateral");
+    m = box_mesh();
+    m.faces[2].corner[1].uv = (uint32_t)m.nuvs;
+    check_broken(&m, "an index that is too large");
+    m = box_mesh();
+    m.faces[2].corner[1].vertex = m.faces[2].corner[3].vertex;
+    check_broken(&m, "a face with a vertex twice");
+    m = box_mesh();
+    for (int i = 0; i < 4; i++)
+        memcpy(m.vertices[m.faces[2].corner[i].vertex], (double[]){i, 0, 0}, sizeof *m.vertices);
+    check_broken(&m, "a face without area");
+    m = box_mesh();
+    for (int i = 0; i < 4; i++)
+        m.faces[2].corner[i].normal = m.faces[1].corner[0].normal;
+    check_broken(&m, "normals against the winding");
+    m = box_mesh();
+    m.faces[2].group = 1;
+    check_broken(&m, "a face outside its group");
+    m = box_mesh();
+    m.groups[0].material = 1;
+    check_broken(&m, "a group without a material");
+    m = box_mesh();
+    m.groups[0].n--;
+    check_broken(&m, "faces without a group");
+    m = box_mesh();
+    m.groups[0].name = "";
+    check_broken(&m, "a group's name that is no text");
+    m = box_mesh();
+    m.materials[0].name = "\xff";
+    check_broken(&m, "a material's name that is no text");
+    m = box_mesh();
+    m.materials[0].color = 0x1000000;
+    check_broken(&m, "a material whose colour is none");
+    m = box_mesh();
+    m.faces[2] = m.faces[3];
+    check_broken(&m, "a face twice");
+    m = box_mesh();
+    const sg_mesh_corner swap = m.faces[2].corner[1]; /* looks inwards, and its normals with it */
+    m.faces[2].corner[1] = m.faces[2].corner[3];
+    m.faces[2].corner[3] = swap;
+    for (int i = 0; i < 3; i++)
+        m.normals[swap.normal][i] *= -1;
+    check_broken(&m, "an edge twice in one direction");
+    m = box_mesh();
+    m.nfaces = m.groups[0].n = 5;
+    check_broken(&m, "a surface with a hole");
+    m = box_mesh();
+    for (size_t i = 0; i < m.nvertices; i++)
+        m.vertices[i][0] *= -1;
+    for (size_t i = 0; i < m.nnormals; i++)
+        for (int k = 1; k < 3; k++)
+            m.normals[i][k] *= -1;
+    check_broken(&m, "a closed surface that looks inwards");
+}
+END_TEST
 
 /* ---- known shapes ---- */
 
@@ -184,7 +128,7 @@ static void check_shape(const char *body, unsigned radial, size_t vertices, size
     ck_assert_uint_eq(m.nfaces, faces);
     ck_assert_uint_eq(check_mesh(&m), open);
     if (open == 0)
-        ck_assert_double_eq_tol(volume(&m), want, 1e-9);
+        ck_assert_double_eq_tol(mesh_volume(&m), want, 1e-9);
     sg_mesh_clear(&m);
     test_close_scene(&f);
 }
@@ -220,8 +164,8 @@ START_TEST(spheres_are_round)
     for (unsigned radial = 4; radial <= 64; radial *= 2) {
         sg_mesh m = mesh_of(&f.scene, radial, 0);
         ck_assert_uint_eq(check_mesh(&m), 0);
-        ck_assert_double_gt(volume(&m), last);
-        last = volume(&m);
+        ck_assert_double_gt(mesh_volume(&m), last);
+        last = mesh_volume(&m);
         for (size_t i = 0; i < m.nfaces; i++)
             for (uint32_t k = 0; k < m.faces[i].ncorners; k++) {
                 const double *v = m.vertices[m.faces[i].corner[k].vertex];
@@ -326,12 +270,12 @@ START_TEST(random_scenes_have_sound_meshes)
         sg_error err = SG_ERROR_INIT;
         test_scene f;
         sg_mesh m = {0};
-        const sg_mesh_opts opts = {3 + (unsigned)k % 5, (unsigned)k % 2};
+        const sg_mesh_opts opts = {3 + (unsigned)k % 5, (unsigned)k % 2, NULL};
         if (!test_random_scene((uint64_t)_i * 20 + k + 1, &f))
             continue;
         if (f.scene.n < 5000) {
             test_must_ok(sg_mesh_from_scene(&f.scene, &opts, &m, &err));
-            test_must(check_mesh(&m) <= count_flat(&f.scene));
+            ck_assert_uint_le(check_mesh(&m), count_flat(&f.scene));
         }
         sg_mesh_clear(&m);
         test_close_scene(&f);
@@ -522,6 +466,7 @@ static Suite *mesh_suite(void)
 {
     Suite *s = suite_create("mesh");
     TCase *shapes = tcase_create("shapes"), *files = tcase_create("files");
+    tcase_add_test(shapes, a_broken_mesh_is_found);
     tcase_add_test(shapes, shapes_have_their_volumes);
     tcase_add_test(shapes, spheres_are_round);
     tcase_add_test(shapes, strands_share_rings);

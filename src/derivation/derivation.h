@@ -103,6 +103,9 @@ sg_status sg_derivation_refresh(sg_derivation *d, size_t node, sg_error *err);
  *  @return SG_OK, SG_EINVAL (the sentence names the node), SG_ENOMEM */
 sg_status sg_derivation_check(const sg_derivation *d, sg_error *err);
 
+/** The symbols from the root down to a node, as "S > A > B"; of a long path the first and the last few. */
+void sg_derivation_path(const sg_derivation *d, size_t node, char *text, size_t size);
+
 /** The stored children that rule r of node `parent` asks for, appended to the list: one item a child, in order. Successors
  *  outside repeats with one sg_op.child are one child; those in a repeat are children anew each time.
  *  @param frame  arguments and draw values of the node

@@ -81,8 +81,7 @@ sg_status sg_derivation_transform(const sg_grammar *g, const sg_rule *r, uint32_
     return SG_OK;
 }
 
-/* Symbols from the root down to node: of a long path the first and the last few. */
-static void print_path(const sg_derivation *d, size_t node, char *text, size_t size)
+void sg_derivation_path(const sg_derivation *d, size_t node, char *text, size_t size)
 {
     enum { HEAD = 3, TAIL = 6 };
     const size_t levels = d->nodes[node].depth - d->nodes[0].depth + 1;
@@ -109,6 +108,6 @@ sg_status sg_derivation_fail_at(const sg_derivation *d, size_t node, sg_status c
         return code;
     sg_error inner = *err;
     char path[480];
-    print_path(d, node, path, sizeof path);
+    sg_derivation_path(d, node, path, sizeof path);
     return sg_fail(err, code, "deriving %s: %.500s", path, inner.msg);
 }

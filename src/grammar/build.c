@@ -44,6 +44,7 @@ static sg_status add_rule(sg_builder *b, const sg_rule *r, sg_pos at)
         return sg_build_fail_nomem(b);
     b->rules[b->nrules] = *r;
     b->rules[b->nrules].line = at.line;
+    b->rules[b->nrules].file = sg_source_imported(b->source, at);
     b->rule_at[b->nrules++] = at;
     return SG_OK;
 }

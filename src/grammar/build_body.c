@@ -165,6 +165,8 @@ static sg_status add_shape(body *y, const sg_ast_item *call, sg_shape_op shape)
                           call->nargs)
                    : FAIL(y, call->at, "%s takes %u to %u arguments, not %u", info->name, info->required, most,
                           call->nargs);
+    if (shape == SG_SHAPE_POLYGON && call->nargs % 2 != 0)
+        return FAIL(y, call->at, "polygon takes two numbers for each corner, not %u in all", call->nargs);
     sg_expr *args = NULL;
     SG_TRY(new_args(y, call->nargs, &args));
     uint32_t i = 0;

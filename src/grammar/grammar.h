@@ -97,6 +97,7 @@ typedef struct {
     size_t nattributes;      /* training attributes kept with a learned split */
     const double *attributes; /* [nattributes][nparts], relative sizes in body order */
     uint32_t line;
+    const char *file;        /* that was imported and holds it; NULL: the grammar's own */
 } sg_rule;
 
 typedef struct sg_grammar sg_grammar;

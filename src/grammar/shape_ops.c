@@ -26,6 +26,7 @@ static const sg_shape_info operations[SG_SHAPE_COUNT] = {
     [SG_SHAPE_SET_MATERIAL] = {"set_material", "c", 1},
     [SG_SHAPE_SET_LABEL] = {"set_label", "l", 1},
     [SG_SHAPE_COMPONENTS] = {"components", "", 0},
+    [SG_SHAPE_POLYGON] = {"polygon", "nnnnnnnnnnnnnnnnnnnnnnnn", 6},
 };
 
 static const char *const faces[SG_FACE_COUNT] = {
@@ -40,8 +41,8 @@ const sg_shape_info *sg_shape_op_info(sg_shape_op op)
 
 sg_shape_op sg_shape_op_find(const char *name)
 {
-    for (int i = 0; i < SG_SHAPE_COMPONENTS; i++)
-        if (strcmp(operations[i].name, name) == 0)
+    for (int i = 0; i < SG_SHAPE_COUNT; i++)
+        if (i != SG_SHAPE_COMPONENTS && strcmp(operations[i].name, name) == 0)
             return (sg_shape_op)i;
     return SG_SHAPE_COUNT;
 }

@@ -25,6 +25,7 @@ typedef enum {
     SG_SHAPE_SET_MATERIAL, /* by name or colour */
     SG_SHAPE_SET_LABEL,    /* a declared label: of the primitives that follow */
     SG_SHAPE_COMPONENTS,   /* a block of SG_OP_PART, one a face selector (in sg_op.shape) */
+    SG_SHAPE_POLYGON,  /* x, y of three to twelve corners, as shares of the face: the face becomes this polygon */
     SG_SHAPE_COUNT,
 } sg_shape_op;
 

@@ -71,6 +71,14 @@ static sg_source part_at(const sg_source *s, size_t *offset)
     return part;
 }
 
+const char *sg_source_imported(const sg_source *s, sg_pos at)
+{
+    const char *name = NULL;
+    for (size_t i = 0; s->text != NULL && i < s->nparts && s->parts[i].begin <= at.offset; i++)
+        name = s->parts[i].name;
+    return name;
+}
+
 static sg_status fail_in_text(const sg_source *whole, sg_pos at, sg_error *err, const char *sentence)
 {
     size_t offset = at.offset;

@@ -39,6 +39,9 @@ sg_status sg_source_add(sg_source *s, const sg_source *other, sg_arena *arena, s
 sg_status sg_source_fail(const sg_source *s, sg_pos at, sg_error *err, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/** The added file that a place lies in; NULL: none. */
+const char *sg_source_imported(const sg_source *s, sg_pos at);
+
 /** Refuse what no text file holds: invalid UTF-8 and control characters. @return SG_OK, SG_EINPUT */
 sg_status sg_source_check(const sg_source *s, sg_error *err);
 

@@ -66,14 +66,14 @@ void sg_mesh_add_face(sg_mesh_builder *b, const sg_mesh_corner *corners, uint32_
     f->group = group;
 }
 
-static sg_status material_of(sg_mesh_builder *b, const sg_primitive *p, uint32_t *material)
+static sg_status material_of(sg_mesh_builder *b, sg_mesh_material wanted, uint32_t *material)
 {
     sg_mesh *m = b->mesh;
-    const char *name;
-    const uint32_t color = sg_scene_material(b->scene->grammar, p, &name);
+    const char *name = wanted.name;
     for (size_t i = 0; i < m->nmaterials; i++) {
         const sg_mesh_material *k = m->materials + i;
-        if (k->color == color && (k->name == NULL) == (name == NULL) && (name == NULL || strcmp(k->name, name) == 0)) {
+        if (k->color == wanted.color && (k->name == NULL) == (name == NULL) &&
+            (name == NULL || strcmp(k->name, name) == 0)) {
             *material = (uint32_t)i;
             return SG_OK;
         }
@@ -81,32 +81,40 @@ static sg_status material_of(sg_mesh_builder *b, const sg_primitive *p, uint32_t
     if (!SG_GROW(m->materials, m->materials_capacity, m->nmaterials + 1))
         return SG_FAIL_NOMEM(b->err);
     *material = (uint32_t)m->nmaterials;
-    m->materials[m->nmaterials++] = (sg_mesh_material){color, name};
+    m->materials[m->nmaterials++] = wanted;
     return SG_OK;
 }
 
-/* There are few: the grammar names all materials and labels. */
-sg_status sg_mesh_group_of(sg_mesh_builder *b, const sg_primitive *p, uint32_t *group)
+/* There are few: the grammar and its mesh files name all materials and labels. */
+sg_status sg_mesh_group_of_part(sg_mesh_builder *b, const sg_primitive *p, uint32_t part, sg_mesh_material own,
+                                uint32_t *group)
 {
     sg_mesh *m = b->mesh;
     const sg_grammar *g = b->scene->grammar;
     for (size_t i = 0; i < m->ngroups; i++) {
         const sg_mesh_group *k = m->groups + i;
-        if (k->key_material == p->material && k->key_label == p->label && k->key_mesh == p->mesh) {
+        if (k->key_material == p->material && k->key_label == p->label && k->key_mesh == p->mesh && k->key_part == part) {
             *group = (uint32_t)i;
             return SG_OK;
         }
     }
-    sg_mesh_group made = {.key_material = p->material, .key_label = p->label, .key_mesh = p->mesh};
+    sg_mesh_group made = {.key_material = p->material, .key_label = p->label, .key_mesh = p->mesh, .key_part = part};
     made.name = p->mesh != SG_NONE    ? sg_grammar_string(g, p->mesh)
                 : p->label != SG_NONE ? sg_grammar_symbol(g, p->label)->name
                                       : NULL;
-    SG_TRY(material_of(b, p, &made.material));
+    SG_TRY(material_of(b, own, &made.material));
     if (!SG_GROW(m->groups, m->groups_capacity, m->ngroups + 1))
         return SG_FAIL_NOMEM(b->err);
     *group = (uint32_t)m->ngroups;
     m->groups[m->ngroups++] = made;
     return SG_OK;
+}
+
+sg_status sg_mesh_group_of(sg_mesh_builder *b, const sg_primitive *p, uint32_t *group)
+{
+    sg_mesh_material own;
+    own.color = sg_scene_material(b->scene->grammar, p, &own.name);
+    return sg_mesh_group_of_part(b, p, SG_NONE, own, group);
 }
 
 static double largest(const double *x)
@@ -129,6 +137,7 @@ static sg_status check_extent(const sg_primitive *p, sg_error *err)
 
 static sg_status add_primitive(sg_mesh_builder *b, const sg_primitive *p)
 {
+    const sg_obj *obj;
     SG_TRY(check_extent(p, b->err));
     switch ((sg_primitive_kind)p->kind) {
     case SG_PRIMITIVE_CYLINDER:
@@ -139,8 +148,10 @@ static sg_status add_primitive(sg_mesh_builder *b, const sg_primitive *p)
     case SG_PRIMITIVE_HIP:
     case SG_PRIMITIVE_POLYGON:
     case SG_PRIMITIVE_LABEL:
-    case SG_PRIMITIVE_MESH:
         return sg_mesh_add_flat(b, p);
+    case SG_PRIMITIVE_MESH:
+        obj = b->assets != NULL ? sg_assets_find(b->assets, p->mesh) : NULL;
+        return obj != NULL ? sg_mesh_add_file(b, p, obj) : sg_mesh_add_flat(b, p);
     case SG_PRIMITIVE_SEGMENT: /* with those that it continues */
     case SG_PRIMITIVE_COUNT:
         break;
@@ -184,7 +195,7 @@ sg_status sg_mesh_from_scene(const sg_scene *scene, const sg_mesh_opts *opts, sg
     if (opts->radial < 3 || opts->radial > 1024)
         return SG_FAIL(err, SG_EINVAL, "round primitives of %u sides; expected 3 to 1024", opts->radial);
     const unsigned halved = opts->detail < 16 ? opts->radial >> opts->detail : 0;
-    sg_mesh_builder b = {scene, mesh, halved > 3 ? halved : 3, err};
+    sg_mesh_builder b = {scene, mesh, opts->assets, halved > 3 ? halved : 3, err};
     const sg_status st = build(&b);
     if (st != SG_OK)
         empty(mesh);

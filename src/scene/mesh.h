@@ -2,7 +2,7 @@
 /* mesh.h - a scene as triangles and quadrilaterals.
  *
  * Faces look outwards: counterclockwise as seen from outside. Solids are closed, each edge is used once in either
- * direction; polygons and label rectangles are open, one face each. Segments that continue each other (one starts where
+ * direction; polygons and label rectangles are open and flat. Segments that continue each other (one starts where
  * the other ends, as wide, at less than about 75 degrees, and long beside their width) share the ring of vertices at
  * their joint: generalised cylinders, as in Bloomenthal, "Modeling the mighty maple" (1985), with rings carried along
  * without twist.
@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
     uint32_t color;   /* 0xRRGGBB */
-    const char *name; /* borrowed from the grammar; NULL: it has no name but its colour */
+    const char *name; /* borrowed from the grammar or a mesh file; NULL: it has no name but its colour */
 } sg_mesh_material;
 
 /** Faces of one label or mesh name, and one material. They stand together. */
@@ -35,6 +35,7 @@ typedef struct {
     uint32_t material;
     size_t first, n;
     uint32_t key_material, key_label, key_mesh; /* of the primitives */
+    uint32_t key_part;                          /* material of a mesh file, SG_NONE: the primitive's */
 } sg_mesh_group;
 
 /** A zeroed one is empty. */
@@ -53,13 +54,15 @@ typedef struct {
     unsigned radial; /* sides of round primitives at the finest level */
     unsigned detail; /* level of detail: 0 the finest, each further one halves `radial`, down to 3. All levels have one
                         skeleton: rings stand at the same places, as wide */
+    const struct sg_assets *assets; /* the meshes that files hold; must live as long as the mesh. NULL: none are known */
 } sg_mesh_opts;
 
-#define SG_MESH_OPTS_INIT {12, 0}
+#define SG_MESH_OPTS_INIT {12, 0, NULL}
 
 /** Make the mesh of a scene; it is emptied first, and keeps its memory. Primitives thinner than a billionth of their
- *  distance and size (at least of 1) are left out, and segments without width. A reference to a mesh is a box that
- *  stands for it, in a group of its name.
+ *  distance and size (at least of 1) are left out, and segments without width. A mesh from a file fills its scope, in
+ *  groups of its name; faces keep the materials that the file gives colours to. Where it is not among the assets a box
+ *  stands for it.
  *  @return SG_OK, SG_EINVAL (radial is less than 3 or more than 1024), SG_ENUMERIC (a coordinate over 1e100, more than
  *  2^32 vertices), SG_ENOMEM; on failure the mesh is empty */
 sg_status sg_mesh_from_scene(const sg_scene *scene, const sg_mesh_opts *opts, sg_mesh *mesh, sg_error *err);

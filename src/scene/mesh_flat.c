@@ -2,14 +2,23 @@
 /* mesh_flat.c - primitives whose faces are flat. */
 #include "scene/mesh_priv.h"
 
+#include "scene/skeleton.h"
+#include "scene/triangulate.h"
+
 #include <string.h>
 
-/* A shape of flat faces: corners in its frame, and which of them each face has, counterclockwise from outside. */
+enum { MAX_FACES = 6 * SG_PRIMITIVE_CORNERS };
+
+/* Of a solid, counterclockwise from outside. Texture coordinates count from `origin`, in the direction of `along`. */
+typedef struct {
+    uint8_t corner[4], n, origin, along;
+} solid_face;
+
+/* A shape of flat faces, in the frame of the primitive. */
 typedef struct {
     size_t nvertices, nfaces;
-    double at[8][3];
-    uint8_t face[6][4];
-    uint8_t ncorners[6];
+    double at[SG_SKELETON_NODES][3]; /* room for the two ends of a prism too */
+    solid_face face[MAX_FACES];
 } solid;
 
 static void put_point(solid *s, double x, double y, double z)
@@ -22,12 +31,35 @@ static void put_point(solid *s, double x, double y, double z)
 
 static void put_face(solid *s, uint8_t n, uint8_t a, uint8_t b, uint8_t c, uint8_t d)
 {
-    uint8_t *f = s->face[s->nfaces];
-    f[0] = a;
-    f[1] = b;
-    f[2] = c;
-    f[3] = d;
-    s->ncorners[s->nfaces++] = n;
+    s->face[s->nfaces++] = (solid_face){{a, b, c, d}, n, a, b};
+}
+
+/* One that is counterclockwise in x and y; looking down, when it is turned. Not convex, or of many corners: triangles. */
+static void put_polygon(solid *s, const uint8_t *corner, size_t n, bool turned)
+{
+    double p[SG_SKELETON_NODES][2];
+    uint32_t triangles[SG_SKELETON_NODES][3], left[SG_SKELETON_NODES];
+    for (size_t i = 0; i < n; i++)
+        memcpy(p[i], s->at[corner[i]], sizeof p[i]);
+    if (n == 4 && sg_polygon_convex((const double(*)[2])p, n)) {
+        put_face(s, 4, corner[turned ? 3 : 0], corner[turned ? 2 : 1], corner[turned ? 1 : 2], corner[turned ? 0 : 3]);
+        return;
+    }
+    sg_triangulate((const double(*)[2])p, n, triangles, left);
+    for (size_t i = 0; i + 2 < n && s->nfaces < MAX_FACES; i++) {
+        const uint32_t *t = triangles[i];
+        put_face(s, 3, corner[t[turned ? 2 : 0]], corner[t[1]], corner[t[turned ? 0 : 2]], 0);
+        s->face[s->nfaces - 1].origin = corner[turned ? n - 1 : 0];
+        s->face[s->nfaces - 1].along = corner[turned ? n - 2 : 1];
+    }
+}
+
+static void put_range(solid *s, uint8_t first, size_t n, bool turned)
+{
+    uint8_t corner[SG_PRIMITIVE_CORNERS] = {0};
+    for (size_t i = 0; i < n; i++)
+        corner[i] = (uint8_t)(first + i);
+    put_polygon(s, corner, n, turned);
 }
 
 /* The polygon at z = 0, and for a prism the one at its far end and the sides between them. */
@@ -35,12 +67,12 @@ static void put_prism(solid *s, const double (*corner)[2], uint8_t n, double dep
 {
     for (uint8_t i = 0; i < n; i++)
         put_point(s, corner[i][0], corner[i][1], depth);
-    put_face(s, n, 0, 1, 2, 3);
+    put_range(s, 0, n, false);
     if (depth == 0)
         return;
     for (uint8_t i = 0; i < n; i++)
         put_point(s, corner[i][0], corner[i][1], 0);
-    put_face(s, n, (uint8_t)(2 * n - 1), (uint8_t)(2 * n - 2), (uint8_t)(2 * n - 3), n);
+    put_range(s, n, n, true);
     for (uint8_t i = 0; i < n; i++) {
         const uint8_t j = (uint8_t)((i + 1) % n);
         put_face(s, 4, (uint8_t)(n + i), (uint8_t)(n + j), j, i);
@@ -72,6 +104,20 @@ static void put_hip(const sg_primitive *p, solid *s)
     put_face(s, point ? 3 : 4, 3, 0, 4, 5);
 }
 
+/* The faces of the skeleton, lifted, over the polygon. */
+static bool put_polygon_hip(const sg_primitive *p, solid *s)
+{
+    sg_skeleton k;
+    if (!sg_skeleton_find((const double(*)[2])p->corner, p->ncorners, &k))
+        return false;
+    for (size_t i = 0; i < k.nnodes; i++)
+        put_point(s, k.node[i][0], k.node[i][1], k.node[i][2] * p->radius[0]);
+    put_range(s, 0, p->ncorners, true);
+    for (uint32_t i = 0; i < p->ncorners; i++)
+        put_polygon(s, k.face[i].corner, k.face[i].ncorners, false);
+    return true;
+}
+
 static bool put_solid(const sg_primitive *p, solid *s)
 {
     const bool flat = p->kind == SG_PRIMITIVE_POLYGON || p->kind == SG_PRIMITIVE_LABEL;
@@ -79,6 +125,8 @@ static bool put_solid(const sg_primitive *p, solid *s)
     memset(s, 0, sizeof *s);
     if (thin[0] || thin[1] || (!flat && thin[2]))
         return false;
+    if (p->kind == SG_PRIMITIVE_HIP && p->ncorners > 0)
+        return put_polygon_hip(p, s);
     if (p->kind == SG_PRIMITIVE_HIP)
         put_hip(p, s);
     else if (p->kind == SG_PRIMITIVE_PRISM || p->kind == SG_PRIMITIVE_POLYGON)
@@ -88,27 +136,29 @@ static bool put_solid(const sg_primitive *p, solid *s)
     return true;
 }
 
-/* One normal for the face; u runs along its first side. */
+/* One normal for the face; u runs along its first side, or that of the polygon it is cut from. */
 static void add_face(sg_mesh_builder *b, const solid *s, size_t k, uint32_t base, uint32_t group)
 {
-    const uint8_t *f = s->face[k];
+    const solid_face *f = s->face + k;
     const double(*v)[3] = (const double(*)[3])(b->mesh->vertices + base);
     double u[3], w[3], normal[3];
     sg_mesh_corner corner[4];
-    sg_vec_add(v[f[1]], -1, v[f[0]], u);
-    sg_vec_add(v[f[2]], -1, v[f[0]], w);
+    sg_vec_add(v[f->corner[1]], -1, v[f->corner[0]], u);
+    sg_vec_add(v[f->corner[2]], -1, v[f->corner[0]], w);
     sg_vec_normalize(u);
     sg_vec_normalize(w);
     sg_vec_cross(u, w, normal);
     sg_vec_normalize(normal);
+    sg_vec_add(v[f->along], -1, v[f->origin], u);
+    sg_vec_normalize(u);
     sg_vec_cross(normal, u, w);
     const uint32_t n = sg_mesh_add_normal(b, normal);
-    for (uint32_t i = 0; i < s->ncorners[k]; i++) {
+    for (uint32_t i = 0; i < f->n; i++) {
         double d[3];
-        sg_vec_add(v[f[i]], -1, v[f[0]], d);
-        corner[i] = (sg_mesh_corner){base + f[i], n, sg_mesh_add_uv(b, sg_vec_dot(d, u), sg_vec_dot(d, w))};
+        sg_vec_add(v[f->corner[i]], -1, v[f->origin], d);
+        corner[i] = (sg_mesh_corner){base + f->corner[i], n, sg_mesh_add_uv(b, sg_vec_dot(d, u), sg_vec_dot(d, w))};
     }
-    sg_mesh_add_face(b, corner, s->ncorners[k], group);
+    sg_mesh_add_face(b, corner, f->n, group);
 }
 
 sg_status sg_mesh_add_flat(sg_mesh_builder *b, const sg_primitive *p)

@@ -3,12 +3,14 @@
 #ifndef SG_SCENE_MESH_PRIV_H
 #define SG_SCENE_MESH_PRIV_H
 
+#include "scene/assets.h"
 #include "scene/mesh.h"
 
 /** A mesh in the making. */
 typedef struct {
     const sg_scene *scene;
     sg_mesh *mesh;
+    const sg_assets *assets; /* NULL: none */
     unsigned radial; /* at this level of detail */
     sg_error *err;
 } sg_mesh_builder;
@@ -23,11 +25,17 @@ void sg_mesh_add_face(sg_mesh_builder *b, const sg_mesh_corner *corners, uint32_
 /** The group of a primitive, made when it is the first of its kind. @return SG_OK, SG_ENOMEM */
 sg_status sg_mesh_group_of(sg_mesh_builder *b, const sg_primitive *p, uint32_t *group);
 
+/** The same for a part of a mesh file that has a material of its own. */
+sg_status sg_mesh_group_of_part(sg_mesh_builder *b, const sg_primitive *p, uint32_t part, sg_mesh_material own,
+                                uint32_t *group);
+
 /** Is a length too short beside the place and the size of the primitive? */
 bool sg_mesh_thin(const sg_primitive *p, double length);
 
 /** Boxes, prisms, hip roofs, polygons, labels. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_mesh_add_flat(sg_mesh_builder *b, const sg_primitive *p);
+/** A mesh from a file, scaled to fill the scope. */
+sg_status sg_mesh_add_file(sg_mesh_builder *b, const sg_primitive *p, const sg_obj *obj);
 /** Cylinders, cones, spheres. */
 sg_status sg_mesh_add_round(sg_mesh_builder *b, const sg_primitive *p);
 /** All segments of the scene. */

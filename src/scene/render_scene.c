@@ -32,7 +32,7 @@ static sg_status thicken(const sg_scene *scene, double radius, sg_scene *out, bo
         *any = is_thin(scene->items + i, radius);
     if (!*any)
         return SG_OK;
-    *out = (sg_scene){.grammar = scene->grammar, .n = scene->n};
+    *out = *scene; /* all but the items is shared */
     if ((out->items = malloc(scene->n * sizeof *out->items)) == NULL)
         return SG_FAIL_NOMEM(err);
     memcpy(out->items, scene->items, scene->n * sizeof *out->items);
@@ -47,7 +47,7 @@ static sg_status draw(const sg_scene *scene, const sg_mesh_opts *mesh_opts, cons
                       const sg_render_opts *opts, sg_image *im, sg_error *err)
 {
     enum { LARGE = 50000 /* faces */, SIDES = 5 };
-    const sg_mesh_opts coarse = {SIDES, 0};
+    const sg_mesh_opts coarse = {SIDES, 0, mesh_opts->assets};
     if (mesh->nfaces < LARGE || mesh_opts->detail > 15 || mesh_opts->radial >> mesh_opts->detail <= SIDES)
         return sg_render_mesh(mesh, NULL, camera, opts, im, err);
     sg_mesh casts = {0};

@@ -28,17 +28,19 @@ typedef enum {
     SG_PRIMITIVE_SPHERE,   /* ellipsoid that fills size */
     SG_PRIMITIVE_PRISM,    /* the polygon corner[] in x and y, extruded along z by size[2] */
     SG_PRIMITIVE_HIP, /* hip roof over size[0] by size[2] with size[2] >= size[0], size[1] high: the ridge runs along z,
-                         size[0] / 2 from both ends; a pyramid when it has no length */
+                         size[0] / 2 from both ends; a pyramid when it has no length. With corners: over the polygon
+                         corner[] in x and y, which has a straight skeleton (skeleton.h); it rises along z, radius[0] for
+                         each unit of distance from an edge, to size[2] */
     SG_PRIMITIVE_POLYGON, /* corner[], at z = 0, looks along z */
     SG_PRIMITIVE_LABEL,   /* a label's rectangle, size[0] by size[1], at z = 0, looks along z */
     SG_PRIMITIVE_MESH,    /* the mesh named `mesh`, scaled to fill size */
     SG_PRIMITIVE_COUNT,
 } sg_primitive_kind;
 
-enum { SG_PRIMITIVE_CORNERS = 4 };
+enum { SG_PRIMITIVE_CORNERS = 12 };
 
-/** Convex, all of it but meshes. Fields that a kind has no use for are 0, and there is no padding: equal primitives are
- *  equal bytes. */
+/** Convex, but for meshes, and where corner[] turns to the right somewhere: those polygons are simple. Fields that a kind
+ *  has no use for are 0, and there is no padding: equal primitives are equal bytes. */
 typedef struct {
     sg_frame frame;
     double size[3];
@@ -59,7 +61,11 @@ typedef struct {
     double joint;      /* radius at the end of the segment that ends here; -1: none does */
     double tropism[3]; /* direction T */
     double strength;   /* susceptibility e, radians for each unit of |H x T| */
+    double corner[SG_PRIMITIVE_CORNERS][2]; /* of the polygon that the scope is across z, as shares of its size: simple,
+                                               counterclockwise, from side to side */
     uint32_t material, label;
+    uint32_t ncorners; /* 0: the scope is a box */
+    uint32_t unused;   /* 0: no padding here either */
 } sg_scene_state;
 
 typedef struct {
@@ -100,8 +106,8 @@ sg_scene_state sg_scene_first_state(const sg_scene_opts *opts);
 /** Interpret a derivation. The scene is emptied first and keeps its memory; start from a zeroed one and free it with
  *  sg_scene_clear(). It takes no recursion over the tree, whatever its depth.
  *  @return SG_OK, SG_EINVAL (no node), SG_ENUMERIC (a size, length or angle is not finite, a part's size is negative, a
- *  roof of 90 degrees or more, more than max_places, children that do not fit a rule; the sentence names the symbol),
- *          SG_ENOMEM; on failure the scene is empty */
+ *  roof of 90 degrees or more, more than max_places, children that do not fit a rule, a polygon whose sides cross or that
+ *  has no such roof; the sentence begins with the path of symbols), SG_ENOMEM; on failure the scene is empty */
 sg_status sg_scene_interpret(const sg_derivation *d, const sg_scene_opts *opts, sg_scene *scene, sg_error *err);
 
 /** Interpret the subtree of `node` from the state that it inherits, appending to the scene. The slices of the places of

@@ -12,10 +12,13 @@ static sg_status read_block(sg_scene_body *b, size_t first, size_t end, sg_scene
 
 sg_status sg_scene_fail(sg_scene_body *b, const char *what)
 {
-    const char *name = sg_grammar_symbol(b->d->grammar, b->d->nodes[b->node].symbol)->name;
+    char path[480];
+    if (b->err == NULL)
+        return SG_ENUMERIC;
+    sg_derivation_path(b->d, b->node, path, sizeof path);
     if (b->r != NULL && b->r->line > 0)
-        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", name, (unsigned)b->r->line, what);
-    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", name, what);
+        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", path, (unsigned)b->r->line, what);
+    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", path, what);
 }
 
 sg_status sg_scene_count(sg_scene_body *b)
@@ -80,10 +83,16 @@ static sg_status read_piece(sg_scene_body *b, size_t first, size_t end, const sg
     return inner.size[axis] > 0 ? read_block(b, first, end, &inner) : pass_over(b, first, end, s);
 }
 
+static sg_status check_axis(sg_scene_body *b, sg_axis axis, const sg_scene_state *s)
+{
+    return s->ncorners == 0 || axis == SG_AXIS_Z ? SG_OK : sg_scene_fail(b, "a polygon is cut along z alone");
+}
+
 static sg_status read_split(sg_scene_body *b, size_t at, const sg_scene_state *s)
 {
     const sg_op *split = b->r->ops + at;
     sg_split_walk walk;
+    SG_TRY(check_axis(b, split->axis, s));
     const char *wrong = sg_split_walk_begin(&walk, b->d->grammar, b->r, split, b->frame, b->d->nodes[b->node].depth,
                                             s->size[split->axis]);
     if (wrong != NULL)
@@ -103,6 +112,7 @@ static sg_status read_repeat(sg_scene_body *b, size_t at, const sg_scene_state *
     const sg_op *op = b->r->ops + at;
     const bool nested = b->in_repeat;
     size_t times = 0;
+    SG_TRY(check_axis(b, op->axis, s));
     SG_TRY(sg_op_repeat_count(b->d->grammar, op, b->frame, b->d->nodes[b->node].depth, &times, b->err));
     b->in_repeat = true;
     for (size_t t = 0; t < times; t++) {
@@ -126,12 +136,12 @@ static sg_status read_faces(sg_scene_body *b, size_t part, const sg_scene_state 
     sg_child_cursor *at = &b->scene->work->children.at;
     const sg_child_cursor start = *at;
     bool any = false;
-    for (int face = 0; face < SG_FACE_SIDE; face++) {
+    for (size_t face = 0; face < sg_scene_face_count(s); face++) {
         sg_scene_state inner;
-        if (taken[face] || !selects(op->shape, face))
+        if (taken[face] || !selects(op->shape, sg_scene_face_kind(s, face)))
             continue;
         taken[face] = true;
-        if (!sg_scene_face(s, face, &inner))
+        if (!sg_scene_face_at(s, face, &inner))
             continue;
         *at = start;
         any = true;
@@ -142,7 +152,7 @@ static sg_status read_faces(sg_scene_body *b, size_t part, const sg_scene_state 
 
 static sg_status read_components(sg_scene_body *b, size_t at, const sg_scene_state *s)
 {
-    bool taken[SG_FACE_SIDE] = {false};
+    bool taken[SG_SCENE_FACES] = {false};
     size_t part = at + 1;
     for (uint32_t k = 0; k < b->r->ops[at].nparts; k++, part += b->r->ops[part].length)
         SG_TRY(read_faces(b, part, s, taken));

@@ -37,13 +37,44 @@ typedef struct {
  *  @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_scene_read_body(sg_scene_body *b, const sg_scene_state *state);
 
+/** A solid that `insert` knows by its name. */
+typedef struct {
+    const char *name;
+    sg_primitive_kind kind;
+    double radius[2];
+} sg_scene_solid;
+
+/** NULL: this is the name of a mesh file. */
+const sg_scene_solid *sg_scene_solid_find(const char *name);
+
 /** One shape operation other than components. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state *s);
 
 /** flat_roof, gable_roof and hip_roof over the scope. @param args  [nargs] */
 sg_status sg_scene_add_roof(sg_scene_body *b, const sg_op *op, const double *args, const sg_scene_state *s);
 
-/** The state on a face of the scope: x to the right as it is looked at, y up (of the top: to the back, of the bottom:
+/** The face that things are built on: the top of a box that has depth or no height, else the scope itself; of a polygon
+ *  the end that looks along z. @return false when it has no area */
+bool sg_scene_base(const sg_scene_state *s, sg_scene_state *out);
+
+/** Faces of a scope that is a box or a polygon, and of which kind (front to bottom) each of them is. The walls of a polygon
+ *  look to the nearest of front (-y), right, back and left; top and bottom are its ends along z and against it. */
+size_t sg_scene_face_count(const sg_scene_state *s);
+int sg_scene_face_kind(const sg_scene_state *s, size_t k);
+/** @return false when it has no area, or is the back of a scope that is flat */
+bool sg_scene_face_at(const sg_scene_state *s, size_t k, sg_scene_state *out);
+
+enum { SG_SCENE_FACES = SG_PRIMITIVE_CORNERS + 2 };
+
+/** The operation `polygon`: the scope becomes a face of this shape. @param args  [nargs] shares of the base
+ *  @return SG_OK, SG_ENUMERIC (its sides cross or touch) */
+sg_status sg_scene_make_polygon(sg_scene_body *b, const double *args, uint32_t nargs, sg_scene_state *s);
+/** Widen a polygon on all sides, its corners kept sharp. @return false when its sides cross or touch then */
+bool sg_scene_widen_polygon(sg_scene_state *s, double by);
+/** Corners of the polygon, in lengths. */
+void sg_scene_set_corners(sg_primitive *p, const sg_scene_state *s);
+
+/** The state on a face of a scope that is a box: x to the right as it is looked at, y up (of the top: to the back, of the bottom:
  *  to the front), z outwards.
  *  @param face  one of the six
  *  @return false when it has no area, or is the back of a scope that is flat */
@@ -60,7 +91,7 @@ sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primi
 /** The corners of a rectangle from the origin. */
 void sg_scene_set_rectangle(sg_primitive *p, double width, double height);
 
-/** SG_ENUMERIC, with the symbol and line of the body before the sentence. */
+/** SG_ENUMERIC, with the path of symbols to the body and its line before the sentence. */
 sg_status sg_scene_fail(sg_scene_body *b, const char *what);
 
 #endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene_roof.c - the faces of a scope, and the roofs that stand on one.
  * Source: roofs and component splits as in Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of
- * buildings" (2006), section 3; over rectangles only. */
+ * buildings" (2006), section 3. Gables stand over rectangles only. */
 #include "scene/scene_priv.h"
 
 #include "grammar/shape_ops.h"
+#include "scene/skeleton.h"
 
 #include <math.h>
 
@@ -73,15 +74,39 @@ static sg_status add_flat(sg_scene_body *b, const sg_scene_state *face, double h
     return sg_scene_add_scope(b, &slab, SG_PRIMITIVE_POLYGON);
 }
 
+/* Its skeleton is found here, so that what has none is told with its rule, and again where it becomes a mesh. */
+static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slope, double overhang, sg_scene_state *face)
+{
+    const double pi = 3.14159265358979323846;
+    sg_skeleton skeleton;
+    if (op->shape == SG_SHAPE_GABLE_ROOF)
+        return sg_scene_fail(b, "a gable roof over a polygon: it stands over rectangles alone");
+    if (slope >= 90)
+        return sg_scene_fail(b, "a roof of 90 degrees or more");
+    if (overhang != 0 && !sg_scene_widen_polygon(face, overhang))
+        return sg_scene_fail(b, "the edges of a roof over a polygon cross or touch: its overhang is too large");
+    if (!(slope > 0))
+        return add_flat(b, face, 0);
+    sg_primitive p = sg_scene_primitive(b, face, SG_PRIMITIVE_HIP);
+    sg_scene_set_corners(&p, face);
+    if (!sg_skeleton_find((const double(*)[2])p.corner, p.ncorners, &skeleton))
+        return sg_scene_fail(b, "a hip roof over a polygon that has no straight skeleton");
+    p.radius[0] = tan(slope * pi / 180);
+    p.size[2] = skeleton.height * p.radius[0];
+    return sg_scene_add(b, &p);
+}
+
 /* A roof stands on a face, or on the top of a scope that has depth; an overhang widens it on all sides. */
 sg_status sg_scene_add_roof(sg_scene_body *b, const sg_op *op, const double *args, const sg_scene_state *s)
 {
     sg_scene_state face;
-    if (!sg_scene_face(s, s->size[2] > 0 ? SG_FACE_TOP : SG_FACE_FRONT, &face))
+    if (!sg_scene_base(s, &face))
         return SG_OK;
     if (op->shape == SG_SHAPE_FLAT_ROOF)
         return add_flat(b, &face, op->nargs > 0 ? args[0] : 0);
     const double overhang = op->nargs > 1 ? args[1] : 0;
+    if (face.ncorners > 0)
+        return add_over_polygon(b, op, args[0], overhang, &face);
     sg_frame_move(&face.frame, -overhang, -overhang, 0);
     for (int i = 0; i < 2; i++)
         face.size[i] += 2 * overhang;

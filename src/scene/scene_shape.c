@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_ARGS = 4 };
+enum { MAX_ARGS = 2 * SG_PRIMITIVE_CORNERS };
 
 static const double degree = 0.017453292519943295;
 
@@ -64,9 +64,18 @@ static int flat_face(const sg_scene_state *s)
     return !(s->size[2] > 0) ? SG_FACE_FRONT : !(s->size[1] > 0) ? SG_FACE_TOP : SG_FACE_RIGHT;
 }
 
+static sg_status add_polygon(sg_scene_body *b, const sg_scene_state *s)
+{
+    sg_primitive p = sg_scene_primitive(b, s, s->size[2] > 0 ? SG_PRIMITIVE_PRISM : SG_PRIMITIVE_POLYGON);
+    sg_scene_set_corners(&p, s);
+    return s->size[0] > 0 && s->size[1] > 0 ? sg_scene_add(b, &p) : SG_OK;
+}
+
 sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind flat)
 {
     sg_primitive p = sg_scene_primitive(b, s, SG_PRIMITIVE_BOX);
+    if (s->ncorners > 0)
+        return add_polygon(b, s);
     if (!(s->size[0] > 0 && s->size[1] > 0 && s->size[2] > 0)) {
         sg_scene_state face;
         if (!sg_scene_face(s, flat_face(s), &face))
@@ -139,29 +148,30 @@ static void rotate(sg_scene_state *s, const double *degrees)
     sg_frame_turn(&s->frame, s->frame.z, degrees[2] * degree);
 }
 
+const sg_scene_solid *sg_scene_solid_find(const char *name)
+{
+    static const sg_scene_solid known[] = {{"box", SG_PRIMITIVE_BOX, {0, 0}},
+                                           {"cylinder", SG_PRIMITIVE_CYLINDER, {1, 1}},
+                                           {"cone", SG_PRIMITIVE_CYLINDER, {1, 0}},
+                                           {"sphere", SG_PRIMITIVE_SPHERE, {0, 0}}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strcmp(name, known[i].name) == 0)
+            return known + i;
+    return NULL;
+}
+
 static sg_status insert(sg_scene_body *b, uint32_t name, const sg_scene_state *s)
 {
-    static const struct {
-        const char *name;
-        sg_primitive_kind kind;
-        double radius[2];
-    } known[] = {{"cylinder", SG_PRIMITIVE_CYLINDER, {1, 1}},
-                 {"cone", SG_PRIMITIVE_CYLINDER, {1, 0}},
-                 {"sphere", SG_PRIMITIVE_SPHERE, {0, 0}}};
-    const char *wanted = sg_grammar_string(b->d->grammar, name);
-    if (strcmp(wanted, "box") == 0)
+    const sg_scene_solid *solid = sg_scene_solid_find(sg_grammar_string(b->d->grammar, name));
+    if (solid != NULL && solid->kind == SG_PRIMITIVE_BOX)
         return sg_scene_add_scope(b, s, SG_PRIMITIVE_POLYGON);
-    sg_primitive p = sg_scene_primitive(b, s, SG_PRIMITIVE_MESH);
-    p.mesh = name;
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        if (strcmp(wanted, known[i].name) != 0)
-            continue;
-        p.kind = known[i].kind;
-        p.mesh = SG_NONE;
-        memcpy(p.radius, known[i].radius, sizeof p.radius);
-    }
+    sg_primitive p = sg_scene_primitive(b, s, solid != NULL ? solid->kind : SG_PRIMITIVE_MESH);
+    if (solid != NULL)
+        memcpy(p.radius, solid->radius, sizeof p.radius);
+    else
+        p.mesh = name;
     const int nflat = !(s->size[0] > 0) + !(s->size[1] > 0) + !(s->size[2] > 0);
-    return nflat > (p.kind == SG_PRIMITIVE_MESH) ? SG_OK : sg_scene_add(b, &p);
+    return nflat > (solid == NULL) ? SG_OK : sg_scene_add(b, &p);
 }
 
 static sg_status eval_args(sg_scene_body *b, const sg_op *op, double *args)
@@ -214,6 +224,8 @@ sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state 
     case SG_SHAPE_GABLE_ROOF:
     case SG_SHAPE_HIP_ROOF:
         return sg_scene_add_roof(b, op, a, s);
+    case SG_SHAPE_POLYGON:
+        return sg_scene_make_polygon(b, a, op->nargs, s);
     case SG_SHAPE_INSERT:
         return insert(b, (uint32_t)a[0], s);
     case SG_SHAPE_SET_MATERIAL:

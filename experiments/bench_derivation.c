@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench_derivation.c - how fast derivations are sampled, against a plain sampler, and interpreted, and what a splice saves against
- * a copy of the whole. One thread, figures per second of processor time; it judges nothing. Usage: bench_derivation [SECONDS-A-LINE] */
+ * a copy of the whole. One thread, figures per second of processor time; it judges nothing. Usage: bench_derivation [SECONDS-A-LINE [models]], with `models`
+ * only models in space. */
 #include "bench_plain.h"
 #include "bench_sizes.h"
 #include "core/random.h"
@@ -209,7 +210,8 @@ int main(int argc, char **argv)
     } cases[] = {{"three rules", plain}, {"three rules, a normal each", normal}, {"three rules, drawn sizes", sized}};
     sg_error err = SG_ERROR_INIT;
     gsl_rng *rng = sg_random_create(1);
-    for (size_t k = 0; k < 3 && rng != NULL; k++) {
+    const bool all = argc < 3;
+    for (size_t k = 0; all && k < 3 && rng != NULL; k++) {
         sg_grammar *g = NULL;
         sg_derivation d, slice;
         stop(sg_grammar_parse(cases[k].text, strlen(cases[k].text), "bench", &g, &err), &err);
@@ -227,9 +229,12 @@ int main(int argc, char **argv)
         sg_derivation_clear(&slice);
         sg_grammar_free(g);
     }
-    time_models("a tree in space", tree, rng, seconds);
-    time_models("a city", city, rng, seconds);
-    gsl_rng_free(rng);
-    bench_sizes(seconds / 4);
+    if (rng != NULL) {
+        time_models("a tree in space", tree, rng, seconds);
+        time_models("a city", city, rng, seconds);
+        gsl_rng_free(rng);
+    }
+    if (all)
+        bench_sizes(seconds / 4);
     return rng != NULL ? 0 : 4;
 }

@@ -12,7 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double MARGIN = 16, GAP = 12, LEVEL_GAP = 36, PADDING = 8, PADDING_ABOVE = 5;
+static const double MARGIN = 16, GAP = 12, LEVEL_GAP = 36, PADDING = 8;
+
+enum { MAX_STACK = 12 };
 
 /* What a body places, in its order: a child, or (node: SIZE_MAX) an operation or a label. */
 typedef struct {
@@ -140,14 +142,29 @@ static sg_status put_elided(drawing *w, size_t node)
                     0xffffff);
 }
 
+static sg_status put_operation(drawing *w, const item *from)
+{
+    sg_arena *arena = w->p->arena;
+    sg_tree_mark *last = w->p->marks + w->p->n - 1;
+    const char *text = sg_tree_operation_text(arena, w->d, from->owner, from->op);
+    if (text == NULL || last->shape != SG_TREE_TERMINAL || last->parent != from->parent || last->lines == 0 ||
+        last->lines == MAX_STACK) {
+        SG_TRY(put_mark(w, from, SG_TREE_TERMINAL, text, 0xececec));
+        w->p->marks[w->p->n - 1].lines = 1;
+        return SG_OK;
+    }
+    last->text = sg_arena_printf(arena, "%s\n%s", last->text, text);
+    last->lines++;
+    return last->text != NULL ? SG_OK : SG_FAIL_NOMEM(w->err);
+}
+
 static sg_status put_terminal(drawing *w, const item *from)
 {
     const sg_grammar *g = w->d->grammar;
-    const sg_op *op = from->op;
-    if (op->kind == SG_OP_SUCCESSOR)
-        return put_mark(w, from, SG_TREE_TERMINAL, sg_tree_label_text(w->p->arena, g, op->symbol),
-                        sg_grammar_symbol(g, op->symbol)->color);
-    return put_mark(w, from, SG_TREE_TERMINAL, sg_tree_operation_text(w->p->arena, w->d, from->owner, op), 0xececec);
+    if (from->op->kind != SG_OP_SUCCESSOR)
+        return put_operation(w, from);
+    return put_mark(w, from, SG_TREE_TERMINAL, sg_tree_label_text(w->p->arena, g, from->op->symbol),
+                    sg_grammar_symbol(g, from->op->symbol)->color);
 }
 
 static sg_status put_node(drawing *w, const item *from)
@@ -190,11 +207,10 @@ static sg_status put_marks(drawing *w)
 
 static void measure(sg_tree_mark *m)
 {
-    size_t lines;
-    m->columns = sg_tree_columns(m->text, &lines);
+    m->columns = sg_tree_columns(m->text, &m->lines);
     m->beside_columns = sg_tree_columns(m->beside, &m->beside_lines);
     m->width = (double)m->columns * SG_TREE_ADVANCE * SG_TREE_LETTER_PX + 2 * PADDING;
-    m->height = SG_TREE_LETTER_PX + 2 * PADDING_ABOVE;
+    m->height = (double)m->lines * SG_TREE_BOX_PX;
 }
 
 /* Rows as high as the highest of what stands in them. */
@@ -208,8 +224,7 @@ static sg_status place_levels(sg_tree_picture *p, sg_error *err)
         return SG_FAIL_NOMEM(err);
     for (size_t i = 0; i < p->n; i++) {
         const sg_tree_mark *m = p->marks + i;
-        const double high = fmax(m->height, (double)m->beside_lines * SG_TREE_LINE * SG_TREE_SMALL_PX);
-        p->level_bottom[m->level] = fmax(p->level_bottom[m->level], high);
+        p->level_bottom[m->level] = fmax(p->level_bottom[m->level], fmax(m->height, sg_tree_beside_end(m)));
     }
     double y = MARGIN;
     for (size_t k = 0; k < p->nlevels; k++) {
@@ -237,7 +252,7 @@ static sg_status place_marks(sg_tree_picture *p, sg_error *err)
         st = place_levels(p, err);
     for (size_t i = 0; st == SG_OK && i < p->n; i++) {
         p->marks[i].x = MARGIN + items[i].x;
-        p->marks[i].y = (p->level_top[p->marks[i].level] + p->level_bottom[p->marks[i].level]) / 2;
+        p->marks[i].y = p->level_top[p->marks[i].level] + p->marks[i].height / 2;
     }
     p->width += 2 * MARGIN;
     free(items);

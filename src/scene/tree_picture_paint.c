@@ -40,23 +40,23 @@ static sg_status paint_edge(painting *w, const sg_tree_mark *m)
 }
 
 /* A box, or one whose left and right sides are half circles. */
-static sg_status paint_shape(painting *w, const sg_tree_mark *m)
+static sg_status paint_shape(painting *w, const sg_tree_mark *m, double y)
 {
     enum { ARC = 12 };
     double xy[2 * (ARC + 1)][2];
     size_t n = 0;
-    const double half = m->width / 2, high = m->height / 2;
+    const double half = m->width / 2, high = SG_TREE_BOX_PX / 2;
     if (m->shape == SG_TREE_TERMINAL) {
         for (; n < 4; n++) {
             xy[n][0] = m->x + (n == 1 || n == 2 ? half : -half);
-            xy[n][1] = m->y + (n >= 2 ? high : -high);
+            xy[n][1] = y + (n >= 2 ? high : -high);
         }
     } else {
         for (int side = 1; side >= -1; side -= 2)
             for (int i = 0; i <= ARC; i++, n++) {
                 const double t = M_PI * ((double)i / ARC - 0.5);
                 xy[n][0] = m->x + side * (half - high + high * cos(t));
-                xy[n][1] = m->y + side * high * sin(t);
+                xy[n][1] = y + side * high * sin(t);
             }
     }
     double inner[2 * (ARC + 1)][2];
@@ -67,22 +67,22 @@ static sg_status paint_shape(painting *w, const sg_tree_mark *m)
     return stroke(w, xy, n, true, OUTLINE);
 }
 
-static sg_status paint_text(painting *w, const char *text, double x, double y, double size, size_t columns, bool from_left,
-                            uint32_t color)
+static sg_status paint_text(painting *w, const char *text, size_t n, double x, double y, double size, size_t columns,
+                            bool from_left, uint32_t color)
 {
-    return sg_cv_text(w->im, text, x * w->scale, y * w->scale, size * w->scale, (double)columns * SG_TREE_ADVANCE * size * w->scale,
+    char line[512];
+    snprintf(line, sizeof line, "%.*s", (int)n, text);
+    return sg_cv_text(w->im, line, x * w->scale, y * w->scale, size * w->scale, (double)columns * SG_TREE_ADVANCE * size * w->scale,
                       from_left, color, w->err);
 }
 
 static sg_status paint_beside(painting *w, const sg_tree_mark *m)
 {
-    const double step = SG_TREE_LINE * SG_TREE_SMALL_PX;
-    double y = m->y - step * ((double)m->beside_lines - 1) / 2;
-    for (const char *line = m->beside; *line != '\0'; y += step) {
-        char text[512];
+    size_t k = 0;
+    for (const char *line = m->beside; *line != '\0'; k++) {
         const size_t n = strcspn(line, "\n");
-        snprintf(text, sizeof text, "%.*s", (int)n, line);
-        SG_TRY(paint_text(w, text, m->x + m->width / 2 + SG_TREE_BESIDE_PX, y, SG_TREE_SMALL_PX, m->beside_columns, true, GREY));
+        SG_TRY(paint_text(w, line, n, m->x + m->width / 2 + SG_TREE_BESIDE_PX, m->y - m->height / 2 + sg_tree_beside_line(k),
+                          SG_TREE_SMALL_PX, m->beside_columns, true, GREY));
         line += n + (line[n] == '\n');
     }
     return SG_OK;
@@ -95,11 +95,16 @@ static bool is_dark(uint32_t color)
 
 static sg_status paint_mark(painting *w, const sg_tree_mark *m)
 {
-    if (m->shape != SG_TREE_ELIDED)
-        SG_TRY(paint_shape(w, m));
     const double left = m->x - (double)m->columns * SG_TREE_ADVANCE * SG_TREE_LETTER_PX / 2;
     const uint32_t color = m->shape == SG_TREE_ELIDED ? GREY : is_dark(m->fill) ? 0xffffff : 0;
-    SG_TRY(paint_text(w, m->text, left, m->y, SG_TREE_LETTER_PX, m->columns, false, color));
+    double y = m->y - m->height / 2 + SG_TREE_BOX_PX / 2;
+    for (const char *line = m->text; *line != '\0'; y += SG_TREE_BOX_PX) {
+        const size_t n = strcspn(line, "\n");
+        if (m->shape != SG_TREE_ELIDED)
+            SG_TRY(paint_shape(w, m, y));
+        SG_TRY(paint_text(w, line, n, left, y, SG_TREE_LETTER_PX, m->columns, false, color));
+        line += n + (line[n] == '\n');
+    }
     return paint_beside(w, m);
 }
 

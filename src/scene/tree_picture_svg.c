@@ -11,7 +11,7 @@ static void put_text(FILE *out, const char *text, size_t n, size_t columns, doub
 {
     char line[512];
     snprintf(line, sizeof line, "%.*s", (int)n, text);
-    fprintf(out, "<text x=\"%.5g\" y=\"%.5g\" font-size=\"%g\" textLength=\"%.5g\" lengthAdjust=\"spacingAndGlyphs\"%s>", x,
+    fprintf(out, "<text x=\"%.6g\" y=\"%.6g\" font-size=\"%g\" textLength=\"%.6g\" lengthAdjust=\"spacingAndGlyphs\"%s>", x,
             y + 0.35 * size, size, (double)columns * SG_TREE_ADVANCE * size, style);
     sg_markup_text(out, line);
     fputs("</text>\n", out);
@@ -27,12 +27,11 @@ static size_t columns_of(const char *text, size_t n)
 
 static void put_beside(FILE *out, const sg_tree_mark *m)
 {
-    const double step = SG_TREE_LINE * SG_TREE_SMALL_PX;
-    double y = m->y - step * ((double)m->beside_lines - 1) / 2;
-    for (const char *line = m->beside; *line != '\0'; y += step) {
+    size_t k = 0;
+    for (const char *line = m->beside; *line != '\0'; k++) {
         const size_t n = strcspn(line, "\n");
-        put_text(out, line, n, columns_of(line, n), m->x + m->width / 2 + SG_TREE_BESIDE_PX, y, SG_TREE_SMALL_PX,
-                 " fill=\"#606060\"");
+        put_text(out, line, n, columns_of(line, n), m->x + m->width / 2 + SG_TREE_BESIDE_PX,
+                 m->y - m->height / 2 + sg_tree_beside_line(k), SG_TREE_SMALL_PX, " fill=\"#606060\"");
         line += n + (line[n] == '\n');
     }
 }
@@ -42,15 +41,24 @@ static int is_dark(uint32_t color)
     return 299 * (color >> 16 & 255) + 587 * (color >> 8 & 255) + 114 * (color & 255) < 128000;
 }
 
+static void put_box(FILE *out, const sg_tree_mark *m, const char *text, size_t n, double y)
+{
+    const double high = SG_TREE_BOX_PX / 2, width = (double)columns_of(text, n) * SG_TREE_ADVANCE * SG_TREE_LETTER_PX;
+    if (m->shape != SG_TREE_ELIDED)
+        fprintf(out, "<rect x=\"%.6g\" y=\"%.6g\" width=\"%.6g\" height=\"%.6g\" rx=\"%.6g\" fill=\"#%06x\" stroke=\"#303030\"/>\n",
+                m->x - m->width / 2, y - high, m->width, 2 * high, m->shape == SG_TREE_NONTERMINAL ? high : 0, (unsigned)m->fill);
+    put_text(out, text, n, columns_of(text, n), m->x - width / 2, y, SG_TREE_LETTER_PX,
+             m->shape == SG_TREE_ELIDED ? " fill=\"#606060\"" : is_dark(m->fill) ? " fill=\"#ffffff\"" : "");
+}
+
 static void put_mark(FILE *out, const sg_tree_mark *m)
 {
-    const double left = m->x - m->width / 2, top = m->y - m->height / 2;
-    if (m->shape != SG_TREE_ELIDED)
-        fprintf(out, "<rect x=\"%.5g\" y=\"%.5g\" width=\"%.5g\" height=\"%.5g\" rx=\"%.5g\" fill=\"#%06x\" stroke=\"#303030\"/>\n",
-                left, top, m->width, m->height, m->shape == SG_TREE_NONTERMINAL ? m->height / 2 : 0, (unsigned)m->fill);
-    const double text_width = (double)m->columns * SG_TREE_ADVANCE * SG_TREE_LETTER_PX;
-    put_text(out, m->text, strlen(m->text), m->columns, m->x - text_width / 2, m->y, SG_TREE_LETTER_PX,
-             m->shape == SG_TREE_ELIDED ? " fill=\"#606060\"" : is_dark(m->fill) ? " fill=\"#ffffff\"" : "");
+    double y = m->y - m->height / 2 + SG_TREE_BOX_PX / 2;
+    for (const char *line = m->text; *line != '\0'; y += SG_TREE_BOX_PX) {
+        const size_t n = strcspn(line, "\n");
+        put_box(out, m, line, n, y);
+        line += n + (line[n] == '\n');
+    }
     put_beside(out, m);
 }
 
@@ -58,7 +66,7 @@ static void put_mark(FILE *out, const sg_tree_mark *m)
 static void put_edge(FILE *out, const sg_tree_picture *p, const sg_tree_mark *m)
 {
     const sg_tree_mark *up = p->marks + m->parent;
-    fprintf(out, "M%.5g %.5gV%.5gL%.5g %.5gV%.5g\n", up->x, up->y + up->height / 2, p->level_bottom[up->level], m->x,
+    fprintf(out, "M%.6g %.6gV%.6gL%.6g %.6gV%.6g\n", up->x, up->y + up->height / 2, p->level_bottom[up->level], m->x,
             p->level_top[m->level], m->y - m->height / 2);
 }
 

@@ -8,7 +8,7 @@
 #include <stdarg.h>
 #include <string.h>
 
-enum { MAX_TEXT = 48, MAX_LINES = 6, SIZES_A_LINE = 4, LINE = 48 };
+enum { MAX_TEXT = 48, MAX_LINES = 14, SIZES_A_LINE = 4, LINE = 48 };
 
 /* A text that grows in place and is cut where it becomes too long. */
 typedef struct {

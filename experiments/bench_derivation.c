@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bench_derivation.c - how fast derivations are sampled, against a plain sampler, and interpreted, and what a splice saves against
- * a copy of the whole. One thread, figures per second of processor time; it judges nothing. Usage: bench_derivation [SECONDS-A-LINE [models]], with `models`
- * only models in space. */
+/* bench_derivation.c - how fast derivations are sampled, against a plain sampler, and interpreted, and what a splice saves
+ * against a copy of the whole. One thread, figures per second of processor time; it judges nothing.
+ * Usage: bench_derivation [SECONDS-A-LINE [models]], with `models` only models in space. */
 #include "bench_plain.h"
 #include "bench_sizes.h"
 #include "core/random.h"
@@ -150,7 +150,8 @@ static const char tree[] = "limit depth 9\nstart T(1)\n"
                            "rule T(w) at limit -> scale(w, w, w) insert(sphere)\n";
 static const char city[] = "start City\n"
                            "rule City -> size(200, 30, 200) repeat x 10 { repeat z 10 { Lot } }\n"
-                           "rule Lot -> h ~ uniform(6, 30) scale(0.8, 1, 0.8) size(16, h, 16) components { side : Front(h) | top : Roof }\n"
+                           "rule Lot -> h ~ uniform(6, 30) scale(0.8, 1, 0.8) size(16, h, 16)\n"
+                           "  components { side : Front(h) | top : Roof }\n"
                            "rule Front(h) -> repeat y h / 3 { repeat x 5 { split x { Wall | ~2 : Window | Wall } } }\n"
                            "rule Window -> 0.8 : set_material(#3050a0) extrude(-0.1) -> 0.2 : Wall\n"
                            "rule Wall -> extrude(0.2)\n"

@@ -75,8 +75,8 @@ static inline double sg_tree_beside_end(const sg_tree_mark *m)
 
 /** @return SG_OK, SG_EIO (also found later, when the file is flushed) */
 sg_status sg_tree_picture_svg(const sg_tree_picture *p, FILE *out, sg_error *err);
-/** The same in pixels, at `scale` px a unit or as much less as makes it at most 16384 px a side and 64 million in all. Letters that
- *  are not ASCII become '?'. out is made here. @return SG_OK, SG_ENOMEM */
+/** The same in pixels, at `scale` px a unit or as much less as makes it at most 16384 px a side and 64 million in all. Letters
+ *  that are not ASCII become '?'. out is made here. @return SG_OK, SG_ENOMEM */
 sg_status sg_tree_picture_paint(const sg_tree_picture *p, double scale, sg_image *out, sg_error *err);
 
 #endif

@@ -72,8 +72,8 @@ static sg_status paint_text(painting *w, const char *text, size_t n, double x, d
 {
     char line[512];
     snprintf(line, sizeof line, "%.*s", (int)n, text);
-    return sg_cv_text(w->im, line, x * w->scale, y * w->scale, size * w->scale, (double)columns * SG_TREE_ADVANCE * size * w->scale,
-                      from_left, color, w->err);
+    const double width = (double)columns * SG_TREE_ADVANCE * size;
+    return sg_cv_text(w->im, line, x * w->scale, y * w->scale, size * w->scale, width * w->scale, from_left, color, w->err);
 }
 
 static sg_status paint_beside(painting *w, const sg_tree_mark *m)

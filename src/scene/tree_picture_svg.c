@@ -45,7 +45,8 @@ static void put_box(FILE *out, const sg_tree_mark *m, const char *text, size_t n
 {
     const double high = SG_TREE_BOX_PX / 2, width = (double)columns_of(text, n) * SG_TREE_ADVANCE * SG_TREE_LETTER_PX;
     if (m->shape != SG_TREE_ELIDED)
-        fprintf(out, "<rect x=\"%.6g\" y=\"%.6g\" width=\"%.6g\" height=\"%.6g\" rx=\"%.6g\" fill=\"#%06x\" stroke=\"#303030\"/>\n",
+        fprintf(out,
+                "<rect x=\"%.6g\" y=\"%.6g\" width=\"%.6g\" height=\"%.6g\" rx=\"%.6g\" fill=\"#%06x\" stroke=\"#303030\"/>\n",
                 m->x - m->width / 2, y - high, m->width, 2 * high, m->shape == SG_TREE_NONTERMINAL ? high : 0, (unsigned)m->fill);
     put_text(out, text, n, columns_of(text, n), m->x - width / 2, y, SG_TREE_LETTER_PX,
              m->shape == SG_TREE_ELIDED ? " fill=\"#606060\"" : is_dark(m->fill) ? " fill=\"#ffffff\"" : "");

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bench_derivation.c - how fast derivations are sampled, and what a splice saves against a copy of the whole.
- * One thread, processor time; prints figures, judges nothing. Usage: bench_derivation [SECONDS-A-LINE] */
+/* bench_derivation.c - how fast derivations are sampled, against a plain sampler, and interpreted, and what a splice saves
+ * against a copy of the whole. One thread, figures per second of processor time; it judges nothing.
+ * Usage: bench_derivation [SECONDS-A-LINE [models]], with `models` only models in space. */
+#include "bench_plain.h"
 #include "bench_sizes.h"
 #include "core/random.h"
 #include "derivation/derivation.h"
 #include "scene/label_scene.h"
+#include "scene/mesh.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,7 +40,21 @@ static void stop(sg_status st, const sg_error *err)
     exit(1);
 }
 
-static void time_sampling(const char *what, sg_derivation *d, gsl_rng *rng, double seconds)
+/* Millions of nodes a second. */
+static double time_plain(const sg_grammar *g, gsl_rng *rng, double seconds)
+{
+    size_t nodes = 0;
+    const double start = now_s();
+    double elapsed;
+    do {
+        for (int i = 0; i < 200; i++)
+            nodes += bench_plain_sample(g, rng);
+        elapsed = now_s() - start;
+    } while (elapsed < seconds);
+    return 1e-6 * (double)nodes / elapsed;
+}
+
+static void time_sampling(const char *what, sg_derivation *d, gsl_rng *rng, bool plainly, double seconds)
 {
     sg_error err = SG_ERROR_INIT;
     size_t nodes = 0, samples = 0;
@@ -51,8 +68,13 @@ static void time_sampling(const char *what, sg_derivation *d, gsl_rng *rng, doub
         samples += 1000;
         elapsed = now_s() - start;
     } while (elapsed < seconds);
-    printf("%-28s %8.2f M nodes/s   (%.1f nodes a sample)\n", what, 1e-6 * (double)nodes / elapsed,
-           (double)nodes / (double)samples);
+    const double rate = 1e-6 * (double)nodes / elapsed;
+    printf("%-28s %8.2f M nodes/s   (%.1f nodes a sample)", what, rate, (double)nodes / (double)samples);
+    if (plainly) {
+        const double plain_rate = time_plain(d->grammar, rng, seconds);
+        printf("   plain: %.2f, ratio %.1f", plain_rate, rate / plain_rate);
+    }
+    putchar('\n');
 }
 
 /* A tree of about n nodes: samples of this size are rare, so it is grown by splicing larger subtrees in for leaves. */
@@ -120,6 +142,67 @@ static void time_scenes(sg_derivation *d, gsl_rng *rng, double seconds)
     sg_label_scene_clear(&scene);
 }
 
+/* Models in space: derivations, their primitives, and their meshes. */
+static const char tree[] = "limit depth 9\nstart T(1)\n"
+                           "rule T(w)\n"
+                           "  -> width(w / 10) draw(normal(1, 0.1)) [ roll(uniform(0, 360)) pitch(normal(40, 5)) T(w * 0.7) ]\n"
+                           "     [ roll(120) pitch(30) T(w * 0.6) ] roll(90) T(w * 0.8)\n"
+                           "rule T(w) at limit -> scale(w, w, w) insert(sphere)\n";
+static const char city[] = "start City\n"
+                           "rule City -> size(200, 30, 200) repeat x 10 { repeat z 10 { Lot } }\n"
+                           "rule Lot -> h ~ uniform(6, 30) scale(0.8, 1, 0.8) size(16, h, 16)\n"
+                           "  components { side : Front(h) | top : Roof }\n"
+                           "rule Front(h) -> repeat y h / 3 { repeat x 5 { split x { Wall | ~2 : Window | Wall } } }\n"
+                           "rule Window -> 0.8 : set_material(#3050a0) extrude(-0.1) -> 0.2 : Wall\n"
+                           "rule Wall -> extrude(0.2)\n"
+                           "rule Roof -> hip_roof(30, 0.5)\n";
+
+typedef struct {
+    double nodes, primitives, derive_s, interpret_s, mesh_s, vertices;
+} model_times;
+
+static model_times time_model(const sg_grammar *g, gsl_rng *rng, double seconds)
+{
+    sg_error err = SG_ERROR_INIT;
+    const sg_scene_opts scene_opts = SG_SCENE_OPTS_INIT;
+    const sg_mesh_opts mesh_opts = SG_MESH_OPTS_INIT;
+    sg_derivation d;
+    sg_scene scene = {0};
+    sg_mesh mesh = {0};
+    model_times t = {0};
+    sg_derivation_init(&d, g);
+    while (t.derive_s + t.interpret_s + t.mesh_s < 3 * seconds) {
+        const double start = now_s();
+        stop(sg_derivation_sample(&d, rng, 1u << 24, &err), &err);
+        const double derived = now_s();
+        stop(sg_scene_interpret(&d, &scene_opts, &scene, &err), &err);
+        const double interpreted = now_s();
+        stop(sg_mesh_from_scene(&scene, &mesh_opts, &mesh, &err), &err);
+        t.mesh_s += now_s() - interpreted;
+        t.derive_s += derived - start;
+        t.interpret_s += interpreted - derived;
+        t.nodes += (double)d.nnodes;
+        t.primitives += (double)scene.n;
+        t.vertices += (double)mesh.nvertices;
+    }
+    sg_derivation_clear(&d);
+    sg_scene_clear(&scene);
+    sg_mesh_clear(&mesh);
+    return t;
+}
+
+static void time_models(const char *name, const char *text, gsl_rng *rng, double seconds)
+{
+    sg_error err = SG_ERROR_INIT;
+    sg_grammar *g = NULL;
+    stop(sg_grammar_parse(text, strlen(text), "bench", &g, &err), &err);
+    const model_times t = time_model(g, rng, seconds);
+    printf("%-28s %8.2f M nodes/s derived, %.2f M primitives/s interpreted, %.2f M with the derivation, %.2f M vertices/s of "
+           "meshes\n", name, 1e-6 * t.nodes / t.derive_s, 1e-6 * t.primitives / t.interpret_s,
+           1e-6 * t.primitives / (t.derive_s + t.interpret_s), 1e-6 * t.vertices / t.mesh_s);
+    sg_grammar_free(g);
+}
+
 int main(int argc, char **argv)
 {
     const double seconds = argc > 1 ? atof(argv[1]) : 1;
@@ -128,13 +211,14 @@ int main(int argc, char **argv)
     } cases[] = {{"three rules", plain}, {"three rules, a normal each", normal}, {"three rules, drawn sizes", sized}};
     sg_error err = SG_ERROR_INIT;
     gsl_rng *rng = sg_random_create(1);
-    for (size_t k = 0; k < 3 && rng != NULL; k++) {
+    const bool all = argc < 3;
+    for (size_t k = 0; all && k < 3 && rng != NULL; k++) {
         sg_grammar *g = NULL;
         sg_derivation d, slice;
         stop(sg_grammar_parse(cases[k].text, strlen(cases[k].text), "bench", &g, &err), &err);
         sg_derivation_init(&d, g);
         sg_derivation_init(&slice, g);
-        time_sampling(cases[k].name, &d, rng, seconds);
+        time_sampling(cases[k].name, &d, rng, k < 2, seconds);
         for (size_t n = 100; k != 1 && n <= 10000; n *= 10) {
             grow(&d, &slice, rng, n);
             time_splices(&d, &slice, rng, seconds, true);
@@ -146,7 +230,12 @@ int main(int argc, char **argv)
         sg_derivation_clear(&slice);
         sg_grammar_free(g);
     }
-    gsl_rng_free(rng);
-    bench_sizes(seconds / 4);
+    if (rng != NULL) {
+        time_models("a tree in space", tree, rng, seconds);
+        time_models("a city", city, rng, seconds);
+        gsl_rng_free(rng);
+    }
+    if (all)
+        bench_sizes(seconds / 4);
     return rng != NULL ? 0 : 4;
 }

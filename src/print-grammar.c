@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* print-grammar.c - a grammar as canonical text, in the exchange form, or as a drawn graph. */
+/* print-grammar.c - a grammar as canonical text, in the exchange form, as a drawn graph, or how large it is. */
 #include "config.h"
 
 #include "core/file.h"
+#include "grammar/grammar_counts.h"
 #include "grammar/split.h"
 #include "program/program.h"
 
@@ -14,36 +15,44 @@ static const char help[] =
     "Reading checks everything: an error names file, line and column, and shows the line.\n"
     "\n"
     "  --json             the exchange form (JSON), for split grammars\n"
-    "  --dot              a graph for Graphviz: symbols, rules, labels in their colours\n"
+    "  --dot              a graph for Graphviz: symbols, what each may produce and how probably\n"
+    "  --counts           how large it is: NAME<TAB>COUNT, of symbols, rules, draws and so on\n"
     "  -o, --output FILE  write to FILE (default -, standard output)\n"
     "  --help, --version\n"
     "\n"
     "Exit status: 0 done, 2 wrong usage, 3 bad grammar, 4 the system failed.\n";
 
-typedef enum { AS_TEXT, AS_JSON, AS_DOT } form;
+typedef enum { AS_TEXT, AS_JSON, AS_DOT, AS_COUNTS } form;
 
-enum { OPT_DOT = SG_OPT_OWN };
+enum { OPT_DOT = SG_OPT_OWN, OPT_COUNTS };
 
 typedef struct {
     form as;
     const char *output, *grammar;
 } options;
 
+/* The form that an option asks for, AS_TEXT when it is about something else. */
+static form form_of(int option)
+{
+    return option == SG_OPT_JSON ? AS_JSON : option == OPT_DOT ? AS_DOT : option == OPT_COUNTS ? AS_COUNTS : AS_TEXT;
+}
+
 /* The exit status to end with now, or -1 to go on. */
 static int read_options(int argc, char **argv, options *o)
 {
     static const struct option known[] = {{"json", no_argument, NULL, SG_OPT_JSON},
                                           {"dot", no_argument, NULL, OPT_DOT},
+                                          {"counts", no_argument, NULL, OPT_COUNTS},
                                           {"output", required_argument, NULL, 'o'},
                                           {"help", no_argument, NULL, SG_OPT_HELP},
                                           {"version", no_argument, NULL, SG_OPT_VERSION},
                                           {NULL, 0, NULL, 0}};
     sg_common_opts common = SG_COMMON_OPTS_INIT;
     for (int c; (c = getopt_long(argc, argv, "o:", known, NULL)) != -1;) {
-        const form as = c == OPT_DOT ? AS_DOT : AS_JSON;
-        if ((c == SG_OPT_JSON || c == OPT_DOT) && o->as != AS_TEXT && o->as != as)
-            return sg_program_usage("--json and --dot exclude each other");
-        if (c == SG_OPT_JSON || c == OPT_DOT)
+        const form as = form_of(c);
+        if (as != AS_TEXT && o->as != AS_TEXT && o->as != as)
+            return sg_program_usage("--json, --dot and --counts exclude each other");
+        if (as != AS_TEXT)
             o->as = as;
         else if (c == 'o')
             o->output = optarg;
@@ -74,14 +83,40 @@ static sg_status print_json(const sg_grammar *g, FILE *out, sg_error *err)
     return st;
 }
 
+static sg_status print_counts(const sg_grammar *g, FILE *out, sg_error *err)
+{
+    const sg_grammar_counts c = sg_grammar_count(g);
+    const struct {
+        const char *name;
+        size_t count;
+    } lines[] = {{"symbols", c.nonterminals + c.labels}, {"nonterminals", c.nonterminals}, {"labels", c.labels},
+                 {"hidden", c.hidden},                   {"rules", c.rules},               {"arguments", c.arguments},
+                 {"draws", c.draws},                     {"operations", c.operations},     {"successors", c.successors}};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        fprintf(out, "%s\t%zu\n", lines[i].name, lines[i].count);
+    return ferror(out) ? SG_FAIL(err, SG_EIO, "writing failed") : SG_OK;
+}
+
+static sg_status print_as(form as, const sg_grammar *g, FILE *out, sg_error *err)
+{
+    switch (as) {
+    case AS_JSON:
+        return print_json(g, out, err);
+    case AS_DOT:
+        return sg_grammar_print_dot(g, out, err);
+    case AS_COUNTS:
+        return print_counts(g, out, err);
+    case AS_TEXT:
+        break;
+    }
+    return sg_grammar_print(g, out, err);
+}
+
 static sg_status print(const options *o, const sg_grammar *g, sg_error *err)
 {
     sg_output out;
     SG_TRY(sg_output_open(&out, o->output, err));
-    const sg_status st = o->as == AS_JSON  ? print_json(g, out.fp, err)
-                         : o->as == AS_DOT ? sg_grammar_print_dot(g, out.fp, err)
-                                           : sg_grammar_print(g, out.fp, err);
-    return sg_output_end(&out, st, err);
+    return sg_output_end(&out, print_as(o->as, g, out.fp, err), err);
 }
 
 int main(int argc, char **argv)

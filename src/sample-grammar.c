@@ -31,6 +31,9 @@ static sg_status note_sample(sample_job *j, sample_worker *w, size_t i, sg_error
     s->nodes = w->d.nnodes;
     SG_TRY(sg_derivation_log_prior(&w->d, &s->log_prior, err));
     SG_TRY(sg_derivation_log_density(&w->d, &s->log_density, err));
+    s->log_given = w->given != NULL ? sg_pin_run_log_weight(w->given) : 0;
+    if (j->models != NULL)
+        SG_TRY(sample_count(j, w, i, err));
     if (sample_wants_labels(j->opts))
         SG_TRY(note_labels(j, w, i, err));
     s->done = true;
@@ -42,7 +45,8 @@ static sg_status derive(const sample_job *j, sample_worker *w, size_t i, sg_erro
 {
     if (j->opts->from == NULL) {
         sg_random_stream(w->rng, j->opts->common.seed, (uint32_t)i, 0);
-        return sg_derivation_sample(&w->d, w->rng, j->opts->max_nodes, err);
+        return w->given != NULL ? sg_derivation_sample_given(&w->d, w->given, w->rng, j->opts->max_nodes, err)
+                                : sg_derivation_sample(&w->d, w->rng, j->opts->max_nodes, err);
     }
     if (j->stored.items[i].nnodes > j->opts->max_nodes)
         return SG_FAIL(err, SG_ENUMERIC, "more than %zu nodes", j->opts->max_nodes);
@@ -65,11 +69,17 @@ static bool worker_open(const sample_job *j, sample_worker *w)
     w->rng = sg_random_create(1);
     w->arena = sg_arena_create();
     w->share = calloc(j->nsymbols, sizeof *w->share);
+    if (j->pins != NULL && sg_pin_run_create(j->pins, &w->given, NULL) != SG_OK)
+        return false;
     return w->rng != NULL && w->arena != NULL && w->share != NULL;
 }
 
-static void worker_close(sample_worker *w)
+static void worker_close(sample_job *j, sample_worker *w)
 {
+    if (w->given != NULL)
+#pragma omp critical(sample_pins)
+        sample_count_pins(j, w);
+    sg_pin_run_free(w->given);
     sg_derivation_clear(&w->d);
     sg_label_scene_clear(&w->scene);
     sg_scene_clear(&w->space);
@@ -116,7 +126,7 @@ static void run_worker(sample_job *j, sg_progress *progress, size_t *ndone)
 #pragma omp critical(sample_progress)
         sg_progress_report(progress, j->opts->from == NULL ? "sampling" : "showing", ++*ndone, j->n);
     }
-    worker_close(&w);
+    worker_close(j, &w);
 }
 
 static sg_status sample_all(sample_job *j, sg_error *err)
@@ -148,8 +158,11 @@ static sg_status job_open(sample_job *j, sg_error *err)
     j->value_of = calloc(j->nsymbols, 1);
     j->stats = calloc(j->n, sizeof *j->stats);
     j->thumbs = calloc(j->nthumbs + 1, sizeof *j->thumbs);
-    if (j->value_of == NULL || j->stats == NULL || j->thumbs == NULL)
+    if (sample_counts(j->opts))
+        j->models = calloc(j->n, sizeof *j->models);
+    if (j->value_of == NULL || j->stats == NULL || j->thumbs == NULL || (sample_counts(j->opts) && j->models == NULL))
         return SG_FAIL_NOMEM(err);
+    SG_TRY(sample_read_pins(j, err));
     if (sample_wants_labels(j->opts))
         SG_TRY(sg_label_classes(j->g, &j->classes, j->value_of, err));
     j->share = calloc(j->n * j->classes.nclasses + 1, sizeof *j->share);
@@ -166,6 +179,9 @@ static void job_close(sample_job *j)
     free(j->stats);
     free(j->share);
     free(j->value_of);
+    free(j->models);
+    free(j->pin_uses);
+    sg_pins_free(j->pins);
     sg_classes_clear(&j->classes);
 }
 
@@ -181,7 +197,9 @@ static sg_status load_stored(sample_job *j, sg_error *err)
 static sg_status run(const sample_options *o, const sg_grammar *g, sg_error *err)
 {
     sample_job j = {.opts = o, .g = g, .n = o->n};
-    sg_status st = load_stored(&j, err);
+    sg_status st = sg_program_apart(o->table, &o->common.json, 1, err);
+    if (st == SG_OK)
+        st = load_stored(&j, err);
     if (st == SG_OK && sample_wants_space(o))
         st = sg_assets_load(g, o->grammar, &j.assets, err);
     if (st == SG_OK)
@@ -194,6 +212,9 @@ static sg_status run(const sample_options *o, const sg_grammar *g, sg_error *err
         sg_status written = sample_write_sheet(&j, err);
         if (written == SG_OK)
             written = sample_write_report(&j, err);
+        if (written == SG_OK)
+            written = sample_write_statistics(&j, err);
+        sample_warn_of_pins(&j);
         st = written != SG_OK ? written : st;
     }
     job_close(&j);
@@ -207,6 +228,7 @@ int main(int argc, char **argv)
                         .rows = 4,
                         .scope = {1, 1, 1},
                         .view = SG_VIEW_INIT,
+                        .tree = SG_TREE_PICTURE_OPTS_INIT,
                         .max_nodes = 1000000};
     sg_error err = SG_ERROR_INIT;
     sg_grammar *g = NULL;

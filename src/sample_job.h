@@ -5,15 +5,17 @@
 
 #include "core/arena.h"
 #include "derivation/derivation_io.h"
+#include "derivation/pins.h"
 #include "sample_options.h"
 #include "scene/assets.h"
 #include "scene/label_scene.h"
 #include "scene/mesh.h"
+#include "scene/model_statistics.h"
 
 typedef struct {
     bool done;
     size_t nodes, rects, faces;
-    double log_prior, log_density;
+    double log_prior, log_density, log_given;
 } sample_stats;
 
 /** What all threads share. */
@@ -28,6 +30,9 @@ typedef struct {
     uint8_t *value_of;   /* [symbols] */
     size_t nsymbols;
     sample_stats *stats; /* [n] */
+    sg_model_statistics *models; /* [n] when statistics are asked for, else NULL */
+    sg_pins *pins;       /* NULL: none */
+    size_t *pin_uses;    /* [pins] */
     float *share;        /* [n][classes], area shares */
     sg_image *thumbs;    /* [nthumbs], the first samples */
     size_t nthumbs, thumb_width, thumb_height;
@@ -41,6 +46,7 @@ typedef struct {
     sg_label_scene scene;
     sg_scene space;
     sg_mesh mesh;
+    sg_pin_run *given; /* NULL: nothing is */
     gsl_rng *rng;
     sg_arena *arena;
     double *share; /* [symbols] */
@@ -71,5 +77,21 @@ void sample_plan_sheet(sample_job *j);
 sg_status sample_write_sheet(sample_job *j, sg_error *err);
 /** What --json asks for. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
 sg_status sample_write_report(const sample_job *j, sg_error *err);
+
+/* Pins. */
+/** Read what --given asks for. @return SG_OK, SG_EINVAL, SG_ENOMEM */
+sg_status sample_read_pins(sample_job *j, sg_error *err);
+/** A worker is done: add its counts up. The caller sees to it that one does at a time. */
+void sample_count_pins(sample_job *j, const sample_worker *w);
+/** A pin that nothing asked for is likely a mistake: warn of it. */
+void sample_warn_of_pins(const sample_job *j);
+
+/* Statistics. */
+/** Count sample i, which the worker holds. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sample_count(sample_job *j, sample_worker *w, size_t i, sg_error *err);
+/** Those that are done, together: after an interrupt some may be missing. @param models  [n of j] out. @return how many */
+size_t sample_done_models(const sample_job *j, sg_model_statistics *models);
+/** What --stats and --table ask for. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
+sg_status sample_write_statistics(const sample_job *j, sg_error *err);
 
 #endif

@@ -18,21 +18,20 @@ static const char help[] =
     "  -o DIR             folder for the results; it is made when it is not there\n"
     "  --size WxH         size of a picture in pixels (default 300x400, of models in space 600x600)\n"
     "  --formats LIST     what to write (default: labels to sheet; of models in space obj,render,sheet):\n"
-    "                       labels   NAME.png, a label map, and classes.tsv\n"
-    "                       rgb      NAME.rgb.png, the labels' colours\n"
-    "                       svg      NAME.svg\n"
-    "                       lat      NAME.lat, the lattice of all cuts\n"
-    "                       json     NAME.json, the derivation with its rectangles\n"
-    "                       sheet    sheet.png, pictures of the first samples on one page\n"
-    "                       derivation  NAME.sgd, the derivation as it is stored\n"
-    "                       obj      NAME.obj and NAME.mtl, the model in space\n"
-    "                       gltf     NAME.glb, the same as binary glTF 2.0\n"
-    "                       render   NAME.render.png, a picture of the model in space\n"
+    "    labels  NAME.png, a label map, classes.tsv    sheet       sheet.png, first samples on a page\n"
+    "    rgb     NAME.rgb.png, the labels' colours     derivation  NAME.sgd, as it is stored\n"
+    "    svg     NAME.svg                              obj         NAME.obj and NAME.mtl, in space\n"
+    "    lat     NAME.lat, the lattice of all cuts     render      NAME.render.png, in space\n"
+    "    json    NAME.json, the derivation             tree        NAME.tree.svg and .png, drawn\n"
+    "    gltf    NAME.glb, the same as binary glTF\n"
     "  --scope XxYxZ      size of the first scope of models in space (default 1x1x1)\n"
     "  --detail N         level of detail of models in space: 0 the finest (default) to 15\n"
     "  --view AZ,EL       where the camera stands: degrees right of the front and up (default 35,18)\n"
     "  --projection P     perspective (default) or orthographic\n"
     "  --sheet CxR        columns and rows of the sheet (default 4x4)\n"
+    "  --tree             the format tree; --tree-nodes N, --tree-depth N: how much of it (150, all)\n"
+    "  --given NODE=VALUE leave this draw or choice not to chance, as A.h=3 or A=2; repeatable\n"
+    "  --stats            print how large samples are; --table FILE: as a table with tabs\n"
     "  --dataset          write a data set: labels/NAME.png and classes.tsv; rgb goes to\n"
     "                     images/NAME.png, and only labels are written by default\n"
     "  --name PREFIX      NAME is PREFIX-0001 and so on (default: the grammar's name)\n"
@@ -86,8 +85,8 @@ static bool parse_projection(const char *arg, sg_view *view)
 
 static bool parse_formats(const char *arg, unsigned *formats)
 {
-    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation", "render",
-                                        "gltf", "all", NULL};
+    static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation",
+                                        "render", "tree", "gltf", "all", NULL};
     *formats = 0;
     for (const char *p = arg;;) {
         const size_t length = strcspn(p, ",");
@@ -96,7 +95,7 @@ static bool parse_formats(const char *arg, unsigned *formats)
         snprintf(word, sizeof word, "%.*s", (int)(length < 31 ? length : 31), p);
         if (!sg_program_choice("--formats", word, names, &which))
             return false;
-        *formats |= which == 10 ? SAMPLE_ALL_LABELS : 1U << which;
+        *formats |= which == 11 ? SAMPLE_ALL_LABELS : 1U << which;
         if (p[length] == '\0')
             return true;
         p += length + 1;
@@ -104,7 +103,32 @@ static bool parse_formats(const char *arg, unsigned *formats)
 }
 
 enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES, OPT_SCOPE, OPT_DETAIL,
-       OPT_FROM, OPT_VIEW, OPT_PROJECTION };
+       OPT_FROM, OPT_VIEW, OPT_PROJECTION, OPT_TREE, OPT_TREE_NODES, OPT_TREE_DEPTH, OPT_GIVEN, OPT_STATS, OPT_TABLE };
+
+/* Options about drawn trees, pins and statistics. */
+static bool take_option_of_trees(int opt, const char *arg, sample_options *o)
+{
+    switch (opt) {
+    case OPT_TREE:
+        o->formats |= SAMPLE_TREE;
+        return true;
+    case OPT_TREE_NODES:
+        return sg_program_size("--tree-nodes", arg, 1, 100000, &o->tree.max_marks);
+    case OPT_TREE_DEPTH:
+        return sg_program_size("--tree-depth", arg, 0, UINT32_MAX, &o->tree.max_depth);
+    case OPT_STATS:
+        o->stats = true;
+        return true;
+    case OPT_TABLE:
+        o->table = arg;
+        return true;
+    default:
+        if (o->ngiven == SAMPLE_MAX_GIVEN)
+            return sg_program_usage("--given: more than %d of them", SAMPLE_MAX_GIVEN), false;
+        o->given[o->ngiven++] = arg;
+        return true;
+    }
+}
 
 static bool take_option(int opt, const char *arg, void *user)
 {
@@ -117,14 +141,25 @@ static bool take_option(int opt, const char *arg, void *user)
         return true;
     case OPT_SIZE:
         return parse_pair("--size", arg, SG_IMAGE_MAX_SIDE, &o->width, &o->height);
-    case OPT_FORMATS:
-        return parse_formats(arg, &o->formats);
+    case OPT_FORMATS: {
+        const unsigned tree = o->formats & SAMPLE_TREE; /* of --tree */
+        const bool good = parse_formats(arg, &o->formats);
+        o->formats |= tree;
+        return good;
+    }
     case OPT_SHEET:
         return parse_pair("--sheet", arg, 1000, &o->columns, &o->rows);
     case OPT_SCOPE:
         return parse_scope(arg, o->scope);
     case OPT_DETAIL:
         return sg_program_size("--detail", arg, 0, 15, &o->detail);
+    case OPT_TREE:
+    case OPT_TREE_NODES:
+    case OPT_TREE_DEPTH:
+    case OPT_GIVEN:
+    case OPT_STATS:
+    case OPT_TABLE:
+        return take_option_of_trees(opt, arg, o);
     case OPT_VIEW:
         return parse_view(arg, &o->view);
     case OPT_PROJECTION:
@@ -145,6 +180,11 @@ static bool take_option(int opt, const char *arg, void *user)
     }
 }
 
+static bool is_stdout(const char *path)
+{
+    return path != NULL && strcmp(path, "-") == 0;
+}
+
 int sample_parse_options(int argc, char **argv, sample_options *o)
 {
     static const struct option longs[] = {SG_COMMON_LONG_OPTIONS,
@@ -159,14 +199,24 @@ int sample_parse_options(int argc, char **argv, sample_options *o)
                                           {"view", required_argument, NULL, OPT_VIEW},
                                           {"projection", required_argument, NULL, OPT_PROJECTION},
                                           {"from", required_argument, NULL, OPT_FROM},
+                                          {"tree", no_argument, NULL, OPT_TREE},
+                                          {"tree-nodes", required_argument, NULL, OPT_TREE_NODES},
+                                          {"tree-depth", required_argument, NULL, OPT_TREE_DEPTH},
+                                          {"given", required_argument, NULL, OPT_GIVEN},
+                                          {"stats", no_argument, NULL, OPT_STATS},
+                                          {"table", required_argument, NULL, OPT_TABLE},
                                           {NULL, 0, NULL, 0}};
     const int end = sg_program_options(argc, argv, "n:o:", longs, help, &o->common, take_option, o);
     if (end >= 0)
         return end;
     if (argc - optind != 1)
         return sg_program_usage("one grammar file is wanted, not %d", argc - optind);
-    if (o->folder == NULL)
+    if (o->folder == NULL && (!sample_counts(o) || o->formats != 0 || o->dataset))
         return sg_program_usage("-o DIR is missing");
+    if (sample_counts(o) && is_stdout(o->common.json) + is_stdout(o->table) + o->stats > 1)
+        return sg_program_usage("--stats, --table - and --json - exclude each other on standard output");
+    if (o->from != NULL && o->ngiven > 0)
+        return sg_program_usage("--given and --from: nothing is drawn");
     if (o->from != NULL && o->n > 0)
         return sg_program_usage("-n and --from: a file holds as many derivations as it holds");
     o->n = o->n > 0 ? o->n : 1;
@@ -200,7 +250,7 @@ static bool is_in_space(const sg_grammar *g)
 void sample_settle(sample_options *o, const sg_grammar *g)
 {
     o->in_space = !o->dataset && is_in_space(g);
-    if (o->formats == 0)
+    if (o->formats == 0 && (o->dataset || !sample_counts(o)))
         o->formats = o->dataset    ? SAMPLE_LABELS
                      : o->in_space ? SAMPLE_OBJ | SAMPLE_RENDER | SAMPLE_SHEET
                                    : SAMPLE_ALL_LABELS;

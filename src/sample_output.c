@@ -192,6 +192,30 @@ static sg_status write_stored(const sample_job *j, const sample_worker *w, size_
     return sg_derivation_file_write(path, j->g, &w->d, 1, err);
 }
 
+static sg_status write_tree(const sample_job *j, const sample_worker *w, size_t i, sg_error *err)
+{
+    char path[4096];
+    sg_output out;
+    sg_image im;
+    sg_tree_picture p;
+    SG_TRY(sg_tree_picture_make(&w->d, &j->opts->tree, &p, err));
+    sg_status st = path_of(j, "", i, ".tree.svg", path, sizeof path, err);
+    if (st == SG_OK)
+        st = sg_output_open(&out, path, err);
+    if (st == SG_OK)
+        st = sg_output_end(&out, sg_tree_picture_svg(&p, out.fp, err), err);
+    if (st == SG_OK)
+        st = path_of(j, "", i, ".tree.png", path, sizeof path, err);
+    if (st == SG_OK)
+        st = sg_tree_picture_paint(&p, 2, &im, err);
+    sg_tree_picture_clear(&p);
+    if (st != SG_OK)
+        return st;
+    st = sg_png_write_rgb(path, &im, err);
+    sg_image_clear(&im);
+    return st;
+}
+
 sg_status sample_write(const sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
     const unsigned f = j->opts->formats;
@@ -208,12 +232,16 @@ sg_status sample_write(const sample_job *j, sample_worker *w, size_t i, sg_error
     SG_TRY(write_space(j, w, i, err));
     if (f & SAMPLE_DERIVATION)
         SG_TRY(write_stored(j, w, i, err));
+    if (f & SAMPLE_TREE)
+        SG_TRY(write_tree(j, w, i, err));
     return SG_OK;
 }
 
 sg_status sample_make_folders(const sample_job *j, sg_error *err)
 {
     char path[4096];
+    if (j->opts->folder == NULL)
+        return SG_OK;
     SG_TRY(sg_folder_create(j->opts->folder, err));
     static const struct {
         unsigned format;

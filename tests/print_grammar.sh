@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# print-grammar: its three forms, its exit statuses, and that nothing half-written stays.
+# print-grammar: its four forms, its exit statuses, and that nothing half-written stays.
 set -u
 : "${SG_BUILD_DIR:?}"
 work=$(mktemp -d) || exit 99
@@ -37,6 +37,10 @@ expect 0 'standard input' "$program" - <good.sg
 expect 0 'a graph' "$program" --dot good.sg
 grep -q '^digraph' out || { echo 'no graph'; bad=1; }
 if command -v dot >/dev/null; then dot -Tsvg out >/dev/null || { echo 'Graphviz cannot read it'; bad=1; }; fi
+grep -q '^  s0 -> s0 \[label="0.5"\];$' out || { echo 'no edge of a recursive symbol'; cat out; bad=1; }
+expect 0 'counts' "$program" --counts good.sg
+[ "$(cut -f 2 out | tr '\n' ' ')" = '3 1 2 2 2 0 1 0 4 ' ] || { echo 'other counts'; cat out; bad=1; }
+expect 2 'two forms' "$program" --counts --dot good.sg
 expect 0 'help' "$program" --help
 [ "$(wc -l <out)" -le 24 ] || { echo 'help is longer than a screen'; bad=1; }
 head -1 out | grep -q '^Example' || { echo 'help does not begin with an example'; bad=1; }

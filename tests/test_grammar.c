@@ -4,6 +4,7 @@
 
 #include "core/file.h"
 #include "grammar/shape_ops.h"
+#include "grammar/grammar_counts.h"
 #include "tests/grammar_support.h"
 #include "tests/random_grammar.h"
 
@@ -516,12 +517,75 @@ START_TEST(a_graph_is_drawn_with_labels_in_their_colours)
     fclose(out);
     ck_assert_ptr_nonnull(strstr(text, "label=\"a \\\"b\", shape=box, style=filled, fillcolor=\"#ff0000\""));
     ck_assert_ptr_nonnull(strstr(text, "label=\"0.25\""));
-    ck_assert_ptr_nonnull(strstr(text, "label=\"2\"")); /* c twice in one rule */
+    ck_assert_ptr_nonnull(strstr(text, "label=\" (2)\"")); /* c in both rules, twice in one of them */
+    ck_assert_ptr_nonnull(strstr(text, "s0 -> s0 [label=\"0.75\"]"));
     unsigned arrows = 0;
     for (const char *p = text; (p = strstr(p, "->")) != NULL; p += 2)
         arrows++;
-    ck_assert_uint_eq(arrows, 2 + 2 + 2);
+    ck_assert_uint_eq(arrows, 3);
     free(text);
+    sg_grammar_free(g);
+}
+END_TEST
+
+/* The edges of a graph as "A>B:label" lines, names instead of node numbers, in their order. */
+static void edges_of(const char *graph, char *edges, size_t size)
+{
+    char names[32][32] = {{0}};
+    size_t used = 0;
+    for (const char *p = graph; (p = strstr(p, "  s")) != NULL; p++) {
+        unsigned a, b;
+        char label[32] = "";
+        if (sscanf(p, "  s%u [label=\"%31[^\"]", &a, label) == 2)
+            memcpy(names[a % 32], label, sizeof label);
+        else if (sscanf(p, "  s%u -> s%u [label=\"%31[^\"]", &a, &b, label) >= 2)
+            used += (size_t)snprintf(edges + used, size - used, "%s>%s:%s\n", names[a % 32], names[b % 32], label);
+    }
+}
+
+START_TEST(the_graph_has_an_edge_to_whatever_a_symbol_may_produce)
+{
+    sg_error err = SG_ERROR_INIT;
+    sg_grammar *g = test_grammar("limit depth 9\nlabel t\nstart T(1)\n"
+                                 "rule T(x) -> 0.25 : draw(x) [ T(x) ] T(1) L -> 0.25 : T(2) L L L -> 0.5 : maybe(0.25) L set_label(t)\n"
+                                 "rule T(x) at limit -> insert(sphere)\n"
+                                 "rule L -> 0.5 : split x { t | t } -> 0.5 : M(1)\n"
+                                 "rule M(y) if y > 2 -> draw(y) insert(\"a.obj\")\n"
+                                 "rule M(y) if y <= 2 -> insert(\"b.obj\")\n");
+    char *text = NULL, edges[1000] = "";
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    ck_ok(sg_grammar_print_dot(g, out, &err));
+    fclose(out);
+    edges_of(text, edges, sizeof edges);
+    ck_assert_str_eq(edges, "T(x)>T(x):0.5 (2)\nT(x)>L:0.5 (3)\nT(x)>maybe(0.25) L:0.5\nT(x)>draw:0.25\nT(x)>sphere:limit\n"
+                            "L>M(y):0.5\nL>t:0.5 (2)\nM(y)>draw:?\nM(y)>a.obj:?\nM(y)>b.obj:?\nmaybe(0.25) L>L:0.25\n");
+    const char *apart = strstr(text, "rank=sink"); /* terminals, and nothing else */
+    ck_assert_ptr_nonnull(apart);
+    ck_assert_ptr_nonnull(strstr(apart, "label=\"t\""));
+    ck_assert_ptr_nonnull(strstr(apart, "label=\"draw\""));
+    ck_assert_ptr_null(strstr(apart, "[label=\"T(x)\""));
+    free(text);
+    sg_grammar_free(g);
+}
+END_TEST
+
+START_TEST(counts_are_of_what_is_written)
+{
+    sg_grammar *g = test_grammar("limit depth 9\nlabel t\nlabel w\nstart T(1)\n"
+                                 "rule T(x) -> 0.5 : h ~ normal(x, 1) draw(uniform(0, 1)) [ T(h) ] -> 0.5 : maybe(0.25) L set_label(t)\n"
+                                 "rule T(x) at limit -> insert(sphere)\n"
+                                 "rule L -> split x { t | w | L2 } sizes mean (0.2, 0.3, 0.5) sd (0.1, 0.1, 0.1)\n"
+                                 "rule L2 -> w\n");
+    const sg_grammar_counts c = sg_grammar_count(g);
+    ck_assert_uint_eq(c.nonterminals, 3);
+    ck_assert_uint_eq(c.labels, 2);
+    ck_assert_uint_eq(c.hidden, 3); /* t and w in the split, maybe */
+    ck_assert_uint_eq(c.rules, 5);
+    ck_assert_uint_eq(c.arguments, 1);
+    ck_assert_uint_eq(c.draws, 4);
+    ck_assert_uint_eq(c.operations, 3);
+    ck_assert_uint_eq(c.successors, 6);
     sg_grammar_free(g);
 }
 END_TEST
@@ -846,6 +910,8 @@ int main(void)
     tcase_add_loop_test(tc, printing_is_a_fixed_point_under_random_grammars, 0, 30);
     tcase_add_test(tc, printed_text_is_canonical);
     tcase_add_test(tc, a_graph_is_drawn_with_labels_in_their_colours);
+    tcase_add_test(tc, the_graph_has_an_edge_to_whatever_a_symbol_may_produce);
+    tcase_add_test(tc, counts_are_of_what_is_written);
     tcase_add_loop_test(tc, mistakes_are_named_with_their_place, 0, COUNT(mistakes));
     tcase_add_test(tc, the_caret_stands_under_the_character);
     tcase_add_loop_test(tc, absurd_nesting_is_refused, 0, 9);

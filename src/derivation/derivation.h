@@ -90,6 +90,8 @@ bool sg_derivation_complete(const sg_derivation *d);
  *  once in the tree and count once. -INFINITY when a rule has probability 0 where it stands (its guard fails, or it is not
  *  what the depth limit asks for). @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
 sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_error *err);
+/** Probability of the rule of a node that is not open, 0 when it cannot stand there. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
+sg_status sg_derivation_rule_probability(const sg_derivation *d, size_t node, double *p, sg_error *err);
 /** Sum of log densities of all draws in value space (the E_attr of DESIGN 5.4 is its negative). @return SG_OK, SG_ENUMERIC */
 sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density, sg_error *err);
 

@@ -39,6 +39,12 @@ sg_status sg_node_probability(const sg_derivation *d, const sg_node *n, double *
     return SG_OK;
 }
 
+sg_status sg_derivation_rule_probability(const sg_derivation *d, size_t node, double *p, sg_error *err)
+{
+    const sg_status st = sg_node_probability(d, d->nodes + node, p, err);
+    return st == SG_OK ? SG_OK : sg_derivation_fail_at(d, node, st, err);
+}
+
 sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_error *err)
 {
     double sum = 0;
@@ -46,9 +52,7 @@ sg_status sg_derivation_log_prior(const sg_derivation *d, double *log_prior, sg_
         if (d->nodes[i].rule == SG_NONE)
             continue;
         double p;
-        const sg_status st = sg_node_probability(d, d->nodes + i, &p, err);
-        if (st != SG_OK)
-            return sg_derivation_fail_at(d, i, st, err);
+        SG_TRY(sg_derivation_rule_probability(d, i, &p, err));
         if (p != 1)
             sum += log(p);
     }

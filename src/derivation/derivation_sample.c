@@ -7,6 +7,7 @@
 #include "core/random.h"
 #include "derivation/derivation_move.h"
 #include "derivation/derivation_priv.h"
+#include "derivation/pins_priv.h"
 
 #include <stdlib.h>
 
@@ -89,7 +90,13 @@ typedef struct {
     sg_uniforms *from;
     size_t max_nodes;
     sg_error *err;
+    sg_pin_run *given; /* NULL: nothing is */
 } growth;
+
+static bool is_given(const growth *w, sg_sym symbol)
+{
+    return w->given != NULL && sg_pins_concern(w->given, symbol);
+}
 
 /* Uniforms and draw values of the last node. */
 static sg_status draw_last(growth *w, const sg_node *n, const sg_rule *r)
@@ -98,7 +105,9 @@ static sg_status draw_last(growth *w, const sg_node *n, const sg_rule *r)
     SG_TRY(sg_derivation_room(d, 0, r->nuniforms, r->nvalues, w->err));
     double *u = d->uniforms + n->uniforms, *frame = d->values + n->values;
     sg_uniforms_take(w->from, u, r->nuniforms);
-    SG_TRY(sg_derivation_transform(d->grammar, r, w->symbols[r->lhs].nparams, n->depth, u, frame, w->err));
+    const uint32_t nparams = w->symbols[r->lhs].nparams;
+    SG_TRY(is_given(w, n->symbol) ? sg_pin_run_transform(w->given, d->grammar, r, nparams, n->depth, u, frame, w->err)
+                                  : sg_derivation_transform(d->grammar, r, nparams, n->depth, u, frame, w->err));
     d->nuniforms += r->nuniforms;
     d->nvalues += r->nvalues;
     return SG_OK;
@@ -149,6 +158,8 @@ static sg_status derive_last(growth *w)
         SG_TRY(choose_rule(d->grammar, n.symbol, d->values + n.values, n.depth, w->rng, &rule, w->err));
     else if (s->nrules > 1)
         rule += pick_constant(s->cumulative, s->nrules, sg_random_uniform(w->rng));
+    if (is_given(w, n.symbol))
+        SG_TRY(sg_pin_run_choose(w->given, d, n.depth > w->depth_limit, &rule, w->err));
     d->nodes[node].rule = rule;
     if (rule == SG_RULE_EMPTY)
         return SG_OK;
@@ -179,7 +190,7 @@ static bool finish_leaf(growth *w)
 {
     sg_node *n = w->d->nodes + w->d->nnodes - 1;
     const sg_symbol *s = w->symbols + n->symbol;
-    if (!s->leaf || n->depth > w->depth_limit)
+    if (!s->leaf || n->depth > w->depth_limit || is_given(w, n->symbol))
         return false;
     n->rule = s->first_rule;
     return true;
@@ -213,12 +224,13 @@ static sg_status grow(growth *w, bool *fits)
 
 /* fits: false when it is the number of nodes that the call failed on. */
 static sg_status derive(sg_derivation *slice, sg_sym symbol, const double *args, uint32_t depth, gsl_rng *rng,
-                        sg_uniforms *from, size_t max_nodes, bool *fits, sg_error *err)
+                        sg_uniforms *from, sg_pin_run *given, size_t max_nodes, bool *fits, sg_error *err)
 {
     if (max_nodes > SG_DERIVATION_MAX_ITEMS)
         max_nodes = SG_DERIVATION_MAX_ITEMS;
     const sg_grammar *g = slice->grammar;
-    growth w = {slice, sg_grammar_rule(g, 0), sg_grammar_symbol(g, 0), sg_grammar_depth_limit(g), rng, from, max_nodes, err};
+    growth w = {slice, sg_grammar_rule(g, 0), sg_grammar_symbol(g, 0), sg_grammar_depth_limit(g), rng, from, max_nodes, err,
+                given};
     slice->pending.n = 0;
     *fits = true;
     sg_status st = max_nodes > 0 ? sg_derivation_open(slice, symbol, args, depth, err)
@@ -238,7 +250,7 @@ sg_status sg_derivation_sample_subtree(sg_derivation *slice, sg_sym symbol, cons
 {
     sg_uniforms fresh = {NULL, 0, 0, rng};
     bool fits;
-    return derive(slice, symbol, args, depth, rng, &fresh, max_nodes, &fits, err);
+    return derive(slice, symbol, args, depth, rng, &fresh, NULL, max_nodes, &fits, err);
 }
 
 sg_status sg_derivation_regenerate(const sg_derivation *d, size_t node, sg_uniforms *from, size_t max_nodes,
@@ -250,8 +262,8 @@ sg_status sg_derivation_regenerate(const sg_derivation *d, size_t node, sg_unifo
     *inside = others < max_nodes;
     if (!*inside)
         return SG_OK;
-    const sg_status st = derive(slice, n->symbol, d->values + n->values, n->depth, from->rng, from, max_nodes - others,
-                                inside, err);
+    const sg_status st = derive(slice, n->symbol, d->values + n->values, n->depth, from->rng, from, NULL,
+                                max_nodes - others, inside, err);
     return *inside ? st : SG_OK;
 }
 
@@ -259,6 +271,15 @@ sg_status sg_derivation_sample(sg_derivation *d, gsl_rng *rng, size_t max_nodes,
 {
     const sg_grammar *g = d->grammar;
     return sg_derivation_sample_subtree(d, sg_grammar_start(g), sg_grammar_start_args(g), 0, rng, max_nodes, err);
+}
+
+sg_status sg_derivation_sample_given(sg_derivation *d, sg_pin_run *given, gsl_rng *rng, size_t max_nodes, sg_error *err)
+{
+    const sg_grammar *g = d->grammar;
+    sg_uniforms fresh = {NULL, 0, 0, rng};
+    bool fits;
+    sg_pin_run_begin(given);
+    return derive(d, sg_grammar_start(g), sg_grammar_start_args(g), 0, rng, &fresh, given, max_nodes, &fits, err);
 }
 
 sg_status sg_derivation_draw_rule(const sg_derivation *d, size_t node, gsl_rng *rng, sg_rule_id *rule, sg_error *err)

@@ -11,6 +11,7 @@
 #include "grammar/build_priv.h"
 #include "grammar/distribution_priv.h"
 #include "grammar/label_color.h"
+#include "grammar/number.h"
 #include "grammar/shape_ops.h"
 
 #include <math.h>
@@ -312,7 +313,9 @@ static const char *const *optional_params(sg_builder *b, const sg_symbol *target
 
 sg_status sg_build_optional(sg_builder *b, sg_sym target, bool constant, double probability, sg_pos at, sg_sym *out)
 {
-    const char *name = constant ? sg_arena_printf(b->arena, "maybe(%.17g) %s", probability, b->symbols[target].name)
+    char number[SG_NUMBER_SIZE];
+    const char *name = constant ? sg_arena_printf(b->arena, "maybe(%s) %s", sg_number_format(probability, number),
+                                                  b->symbols[target].name)
                                 : sg_arena_printf(b->arena, "maybe %s", b->symbols[target].name);
     if (name == NULL)
         return sg_build_fail_nomem(b);

@@ -29,6 +29,14 @@ const sg_distribution_info *sg_distribution_find(const char *name)
     return NULL;
 }
 
+const char *sg_distribution_name(sg_draw_kind kind)
+{
+    for (size_t i = 0; i < sizeof distributions / sizeof *distributions; i++)
+        if (distributions[i].kind == kind)
+            return distributions[i].name;
+    return NULL;
+}
+
 /* Weights stand at every stride-th place; the sum must be a positive number. */
 static const char *complaint_of_weights(const double *args, uint32_t nargs, uint32_t stride)
 {
@@ -68,14 +76,7 @@ const char *sg_distribution_complaint(sg_draw_kind kind, const double *args, uin
     return "unknown distribution";
 }
 
-enum { FEW = 24 };
-
-/* Evaluated parameters; many of them (long mixtures) go to the heap. */
-typedef struct {
-    double few[FEW], *many;
-    const double *v;
-    uint32_t n;
-} arguments;
+typedef sg_draw_arguments arguments;
 
 static sg_status evaluate(const sg_grammar *g, const sg_draw *d, const double *frame, double depth, arguments *a,
                           sg_error *err)
@@ -85,7 +86,7 @@ static sg_status evaluate(const sg_grammar *g, const sg_draw *d, const double *f
     a->v = d->constants;
     if (d->constants != NULL) /* they were looked at when the grammar was made */
         return SG_OK;
-    if (d->nargs > FEW && (a->many = malloc(d->nargs * sizeof *a->many)) == NULL)
+    if (d->nargs > SG_DRAW_FEW_ARGUMENTS && (a->many = malloc(d->nargs * sizeof *a->many)) == NULL)
         return SG_FAIL_NOMEM(err);
     double *v = a->many != NULL ? a->many : a->few;
     for (uint32_t i = 0; i < d->nargs; i++)
@@ -97,6 +98,12 @@ static sg_status evaluate(const sg_grammar *g, const sg_draw *d, const double *f
     free(a->many);
     return SG_FAIL(err, SG_ENUMERIC, "draw%s%s: %s", d->name != NULL ? " " : "", d->name != NULL ? d->name : "",
                    complaint);
+}
+
+sg_status sg_draw_evaluate(const sg_grammar *g, const sg_draw *d, const double *frame, double depth, sg_draw_arguments *a,
+                           sg_error *err)
+{
+    return evaluate(g, d, frame, depth, a, err);
 }
 
 static double total_weight(const arguments *a, uint32_t stride)
@@ -134,8 +141,7 @@ static double middle(const arguments *a, uint32_t stride, uint32_t component)
 
 static double standard_quantile(double u)
 {
-    const double below = sg_uniform_plain(u);
-    return sg_normal_quantile(below, 1 - below);
+    return u >= 0 ? sg_normal_quantile(u, 1 - u) : sg_normal_quantile(1 + u, -u);
 }
 
 /* The value that uniforms give; no sizes. */
@@ -148,7 +154,7 @@ static double transform(const sg_draw *d, const arguments *a, const double *u)
     case SG_DRAW_NORMAL:
         return a->v[0] + a->v[1] * standard_quantile(u[0]);
     case SG_DRAW_TRUNCATED_NORMAL:
-        return sg_truncated_quantile(a->v[0], a->v[1], a->v[2], a->v[3], sg_uniform_plain(u[0]));
+        return sg_truncated_quantile(a->v[0], a->v[1], a->v[2], a->v[3], u[0]);
     case SG_DRAW_MIXTURE:
         i = pick(a, 3, sg_uniform_plain(u[0]));
         return a->v[i + 1] + a->v[i + 2] * standard_quantile(u[1]);

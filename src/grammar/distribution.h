@@ -65,6 +65,17 @@ sg_status sg_draw_transform_density(const struct sg_grammar *g, const sg_draw *d
 sg_status sg_draw_invert(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,
                          const double *value, double *u, sg_error *err);
 
+/** Uniforms given the values, drawn from what is left to chance: with the fresh ones that stand in u the result is distributed
+ *  as those of the prior are, given these values. So a mixture's component is drawn from its posterior, and a discrete draw's
+ *  uniform within the share of the value; elsewhere the uniform follows from the value. The values that sg_draw_transform()
+ *  makes of them are these up to 1e-9 (relative above 1), and the very same where a double allows it.
+ *  @param value  [nvalues]; of sizes the last one is the remainder, and may differ from that by 1e-6
+ *  @param u      in and out [nuniforms]
+ *  @return SG_OK, SG_ENUMERIC (a value outside of the support, which the sentence names, or too far in a tail; impossible
+ *          parameters), SG_ENOMEM */
+sg_status sg_draw_condition(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,
+                            const double *value, double *u, sg_error *err);
+
 /** Log density of the values in value space: for sizes over the first k-1 of them; for discrete draws log probability.
  *  -INFINITY outside the support. */
 sg_status sg_draw_log_density(const struct sg_grammar *g, const sg_draw *d, const double *frame, double depth,

@@ -113,7 +113,8 @@ void sg_grammar_free(sg_grammar *g);
 /** Canonical text: print(parse(text)) is a fixed point; numbers are the shortest that read back the same.
  *  @return SG_OK, SG_EIO */
 sg_status sg_grammar_print(const sg_grammar *g, FILE *out, sg_error *err);
-/** The generator graph for Graphviz: symbols, rules, labels with their colours. @return SG_OK, SG_EIO */
+/** The generator graph for Graphviz: symbols, what each may produce and how probably, terminals apart.
+ *  @return SG_OK, SG_EIO, SG_ENOMEM */
 sg_status sg_grammar_print_dot(const sg_grammar *g, FILE *out, sg_error *err);
 
 const char *sg_grammar_name(const sg_grammar *g);

@@ -10,7 +10,7 @@
 
 #include <gsl/gsl_math.h> /* M_PI, also where the C library keeps it back */
 
-/** The value with u of the mass below it, in [low, high]. */
+/** The value with u of the mass below it, in [low, high]; u in (0,1), or in (-1,0): then -u of the mass is above it. */
 double sg_truncated_quantile(double mean, double sd, double low, double high, double u);
 /** The mass below x. */
 double sg_truncated_cdf(double mean, double sd, double low, double high, double x);

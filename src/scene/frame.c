@@ -49,15 +49,41 @@ static void turn_vector(double *v, const double *axis, double c, double s)
         v[i] = c * v[i] + s * across[i] + along * axis[i];
 }
 
+/* Turn a towards b, at a right angle to it. */
+static void turn_pair(double *a, double *b, double c, double s)
+{
+    for (int i = 0; i < 3; i++) {
+        const double ai = a[i], bi = b[i];
+        a[i] = c * ai + s * bi;
+        b[i] = c * bi - s * ai;
+    }
+}
+
+/* Of a vector whose length is 1 up to a little rounding: a step of Newton's method for 1 / sqrt from 1, which is as good as
+ * the root itself and takes no division. */
+static void settle_length(double *a)
+{
+    const double factor = 1.5 - 0.5 * sg_vec_dot(a, a);
+    for (int i = 0; i < 3; i++)
+        a[i] *= factor;
+}
+
 void sg_frame_turn(sg_frame *f, const double *axis, double radians)
 {
-    const double about[3] = {axis[0], axis[1], axis[2]}; /* it may be one of those that turn */
     const double c = cos(radians), s = sin(radians);
-    turn_vector(f->x, about, c, s);
-    turn_vector(f->y, about, c, s);
-    sg_vec_normalize(f->y);
+    if (axis == f->x)
+        turn_pair(f->y, f->z, c, s);
+    else if (axis == f->y)
+        turn_pair(f->z, f->x, c, s);
+    else if (axis == f->z)
+        turn_pair(f->x, f->y, c, s);
+    else {
+        turn_vector(f->x, axis, c, s);
+        turn_vector(f->y, axis, c, s);
+    }
+    settle_length(f->y);
     sg_vec_add(f->x, -sg_vec_dot(f->x, f->y), f->y, f->x);
-    sg_vec_normalize(f->x);
+    settle_length(f->x);
     sg_vec_cross(f->x, f->y, f->z);
 }
 

@@ -41,8 +41,9 @@ void sg_frame_point(const sg_frame *f, double x, double y, double z, double *out
 void sg_frame_direction(const sg_frame *f, double x, double y, double z, double *out);
 /** Move the origin to the point with these coordinates. */
 void sg_frame_move(sg_frame *f, double x, double y, double z);
-/** Turn the axes about a direction of length 1 through the origin, by the right-hand rule. The axes are made
- *  orthonormal again, so that rounding does not add up over long chains. */
+/** Turn the axes about a direction of length 1 through the origin, by the right-hand rule: one of its own, which is quickest,
+ *  or any that is not part of the frame. The axes are made orthonormal again, so that rounding does not add up over long
+ *  chains. */
 void sg_frame_turn(sg_frame *f, const double *axis, double radians);
 /** The same frame with axes (x, z, -y) or its like: new axes are signed old ones, 1 x, 2 y, 3 z, negative: reversed.
  *  @param x, y  the new axes; the third follows */

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* More triangles than this, and light comes from fewer directions. */
-static const size_t many_triangles = 130000;
+static const size_t many_triangles = 60000;
 /* Light reflected by what is white. */
 static const double whitest = 0.9;
 
@@ -44,11 +44,13 @@ static void place_sun(painter *p)
 
 static void plan_light(painter *p)
 {
-    const size_t triangles = 2 * p->casts->nfaces + 1, least = 4;
+    const size_t triangles = 2 * p->casts->nfaces + 1;
+    const bool huge = triangles > 8 * many_triangles;
+    const size_t least = huge ? 2 : 5;
     const size_t affordable = p->opts->sky * many_triangles / triangles;
     p->sky = affordable < p->opts->sky ? (affordable > least ? affordable : least) : p->opts->sky;
     p->sky = p->sky < p->opts->sky ? p->sky : p->opts->sky;
-    p->sun = p->sky < p->opts->sky && p->opts->sun > 1 ? 1 : p->opts->sun;
+    p->sun = huge && p->opts->sun > 1 ? 1 : p->opts->sun;
 }
 
 static double lowest(const sg_mesh *m)

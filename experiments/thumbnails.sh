@@ -22,9 +22,9 @@ choices() {
 building 8 35,14
 city 1 35,26
 ga-city 4 35,28
-ga-tree 7 20,10
+ga-tree 10 20,10
 mondrian 7
-spaceship 4 35,26
+spaceship 2 35,26
 street 1 -40,16
 END
 }

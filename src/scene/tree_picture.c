@@ -138,7 +138,8 @@ static sg_status put_elided(drawing *w, size_t node)
         return SG_OK;
     const size_t count = nodes > 0 ? nodes : terminals;
     const char *what = nodes > 0 ? "node" : "terminal", *plural = count == 1 ? "" : "s";
-    return put_mark(w, &below, SG_TREE_ELIDED, sg_arena_printf(w->p->arena, "\xE2\x80\xA6 %zu %s%s", count, what, plural), 0xffffff);
+    const char *text = sg_arena_printf(w->p->arena, "\xE2\x80\xA6 %zu %s%s", count, what, plural);
+    return put_mark(w, &below, SG_TREE_ELIDED, text, 0xffffff);
 }
 
 static sg_status put_operation(drawing *w, const item *from)

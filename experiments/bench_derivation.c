@@ -158,10 +158,10 @@ static const char city[] = "start City\n"
                            "rule Roof -> hip_roof(30, 0.5)\n";
 
 typedef struct {
-    double nodes, primitives, derive_s, interpret_s, mesh_s, vertices;
+    double nodes, primitives, derive_s, interpret_s, mesh_s, vertices, plain_s;
 } model_times;
 
-static model_times time_model(const sg_grammar *g, gsl_rng *rng, double seconds)
+static model_times time_model(const sg_grammar *g, gsl_rng *rng, bool plainly, double seconds)
 {
     sg_error err = SG_ERROR_INIT;
     const sg_scene_opts scene_opts = SG_SCENE_OPTS_INIT;
@@ -178,7 +178,11 @@ static model_times time_model(const sg_grammar *g, gsl_rng *rng, double seconds)
         stop(sg_scene_interpret(&d, &scene_opts, &scene, &err), &err);
         const double interpreted = now_s();
         stop(sg_mesh_from_scene(&scene, &mesh_opts, &mesh, &err), &err);
-        t.mesh_s += now_s() - interpreted;
+        const double meshed = now_s();
+        if (plainly && bench_plain_interpret(&d) != scene.n)
+            abort();
+        t.plain_s += now_s() - meshed;
+        t.mesh_s += meshed - interpreted;
         t.derive_s += derived - start;
         t.interpret_s += interpreted - derived;
         t.nodes += (double)d.nnodes;
@@ -191,15 +195,18 @@ static model_times time_model(const sg_grammar *g, gsl_rng *rng, double seconds)
     return t;
 }
 
-static void time_models(const char *name, const char *text, gsl_rng *rng, double seconds)
+static void time_models(const char *name, const char *text, gsl_rng *rng, bool plainly, double seconds)
 {
     sg_error err = SG_ERROR_INIT;
     sg_grammar *g = NULL;
     stop(sg_grammar_parse(text, strlen(text), "bench", &g, &err), &err);
-    const model_times t = time_model(g, rng, seconds);
+    const model_times t = time_model(g, rng, plainly, seconds);
     printf("%-28s %8.2f M nodes/s derived, %.2f M primitives/s interpreted, %.2f M with the derivation, %.2f M vertices/s of "
            "meshes\n", name, 1e-6 * t.nodes / t.derive_s, 1e-6 * t.primitives / t.interpret_s,
            1e-6 * t.primitives / (t.derive_s + t.interpret_s), 1e-6 * t.vertices / t.mesh_s);
+    if (plainly)
+        printf("  %-26s %8.2f M primitives/s interpreted, ratio %.1f\n", "plain", 1e-6 * t.primitives / t.plain_s,
+               t.plain_s / t.interpret_s);
     sg_grammar_free(g);
 }
 
@@ -231,8 +238,8 @@ int main(int argc, char **argv)
         sg_grammar_free(g);
     }
     if (rng != NULL) {
-        time_models("a tree in space", tree, rng, seconds);
-        time_models("a city", city, rng, seconds);
+        time_models("a tree in space", tree, rng, true, seconds);
+        time_models("a city", city, rng, false, seconds);
         gsl_rng_free(rng);
     }
     if (all)

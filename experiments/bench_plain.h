@@ -4,12 +4,16 @@
 #ifndef SG_EXPERIMENTS_BENCH_PLAIN_H
 #define SG_EXPERIMENTS_BENCH_PLAIN_H
 
-#include "grammar/grammar.h"
+#include "derivation/derivation.h"
 
 #include <gsl/gsl_rng.h>
 
 /** Sample from the prior of a grammar without guards, repeats, ties and depth limit, whose draws are normals with constant
  *  parameters, and free it again. @return its nodes */
 size_t bench_plain_sample(const sg_grammar *g, gsl_rng *rng);
+
+/** Interpret a derivation of turtle operations, brackets and insert() alone: a homogeneous matrix for each state, multiplied at
+ *  each operation, and an allocation for each primitive, freed again. @return its primitives */
+size_t bench_plain_interpret(const sg_derivation *d);
 
 #endif

@@ -10,6 +10,7 @@
 #include "image/cv_image.h"
 #include "image/png_io.h"
 #include "program/program.h"
+#include "program/program_grammar.h"
 #include "scene/label_scene.h"
 
 #include <stdlib.h>
@@ -105,7 +106,7 @@ static sg_status check_labels(const sg_grammar *g, sg_error *err)
 static sg_status begin(render_job *job, sg_error *err)
 {
     char path[4096];
-    SG_TRY(sg_grammar_load(job->opts->grammar, &job->grammar, err));
+    SG_TRY(sg_program_load_grammar(job->opts->grammar, &job->grammar, err));
     SG_TRY(check_labels(job->grammar, err));
     job->value_of = calloc(sg_grammar_symbol_count(job->grammar), 1);
     job->rng = sg_random_create(job->opts->common.seed);

@@ -9,6 +9,7 @@
 #include "parse/facade_process.h"
 #include "parse/unaries.h"
 #include "program/program.h"
+#include "program/program_grammar.h"
 
 #include <math.h>
 #include <omp.h>
@@ -399,7 +400,7 @@ static sg_status read_classes(job *j, sg_error *err)
 
 static sg_status read_grammar(job *j, sg_error *err)
 {
-    SG_TRY(sg_grammar_load(j->opts->grammar, &j->g, err));
+    SG_TRY(sg_program_load_grammar(j->opts->grammar, &j->g, err));
     uint32_t *channel = SG_NEW_ARRAY(j->arena, uint32_t, sg_grammar_symbol_count(j->g));
     if (channel == NULL)
         return SG_FAIL_NOMEM(err);

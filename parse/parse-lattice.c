@@ -9,6 +9,7 @@
 #include "parse/earley_print.h"
 #include "parse/lattice_cells.h"
 #include "program/program.h"
+#include "program/program_grammar.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -411,7 +412,7 @@ int main(int argc, char **argv)
     sg_error err = SG_ERROR_INIT;
     sg_grammar *g = NULL;
     job j = {.opts = &o, .progress = sg_program_progress(&o.common), .arena = sg_arena_create()};
-    sg_status st = j.arena != NULL ? sg_grammar_load(o.grammar, &g, &err) : SG_FAIL_NOMEM(&err);
+    sg_status st = j.arena != NULL ? sg_program_load_grammar(o.grammar, &g, &err) : SG_FAIL_NOMEM(&err);
     if (st == SG_OK)
         st = run(&j, g, &err);
     for (size_t i = 0; j.results != NULL && i < o.nlattices; i++)

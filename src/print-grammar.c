@@ -6,13 +6,15 @@
 #include "grammar/grammar_counts.h"
 #include "grammar/split.h"
 #include "program/program.h"
+#include "program/program_grammar.h"
 
 static const char help[] =
     "Example: print-grammar --dot facade.sg | dot -Tsvg -o facade.svg\n"
     "\n"
     "Usage: print-grammar [OPTION]... GRAMMAR\n"
     "Print a grammar (the language *.sg or the exchange form; - is standard input) as canonical text.\n"
-    "Reading checks everything: an error names file, line and column, and shows the line.\n"
+    "Reading checks everything: an error names file, line and column, and shows the line. So does\n"
+    "a warning, which stops nothing: a guard that never holds, a weight that can be negative.\n"
     "\n"
     "  --json             the exchange form (JSON), for split grammars\n"
     "  --dot              a graph for Graphviz: symbols, what each may produce and how probably\n"
@@ -128,7 +130,7 @@ int main(int argc, char **argv)
     if (done >= 0)
         return done;
     sg_grammar *g = NULL;
-    sg_status st = sg_grammar_load(o.grammar, &g, &err);
+    sg_status st = sg_program_load_grammar(o.grammar, &g, &err);
     if (st == SG_OK)
         st = sg_program_spare(o.output, &o.grammar, 1, &err);
     if (st == SG_OK)

@@ -5,6 +5,7 @@
 #include "sample_job.h"
 
 #include "core/random.h"
+#include "program/program_grammar.h"
 #include "scene/derivation_load.h"
 
 #include <omp.h>
@@ -236,7 +237,7 @@ int main(int argc, char **argv)
     const int early = sample_parse_options(argc, argv, &o);
     if (early >= 0)
         return early;
-    sg_status st = sg_grammar_load(o.grammar, &g, &err);
+    sg_status st = sg_program_load_grammar(o.grammar, &g, &err);
     if (st == SG_OK) {
         sample_settle(&o, g);
         st = run(&o, g, &err);

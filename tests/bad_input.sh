@@ -169,6 +169,9 @@ many() { seq 1 "$1" | sed "s;.*;$2;" | tr -d '\n'; } # N TEXT: & is the number
 hostile() { # MESSAGE: of bad.sg
     expect 3 print-grammar bad.sg
     says err "bad.sg:.*$1"
+    expect 3 sample-grammar bad.sg -o y
+    says err "bad.sg:.*$1"
+    absent y
 }
 head -c 100000000 /dev/zero | tr '\000' '#' >bad.sg
 hostile 'larger than the 16777216 bytes'
@@ -208,9 +211,47 @@ many 10000 '{"a":' >bad.sg
 hostile 'maximum parsing depth reached'
 many 100000 '[],' | sed 's/^/{"a":[/; s/$/[]]}/' >bad.sg
 hostile '"format" is missing'
-echo 'label a start S(1) rule S(x) if x > 0 -> split x { S(x + 1) | a } rule S(x) if x <= 0 -> a' >endless.sg
+(printf '%s' "${head}rule S -> "; many 10000 '('; printf 1; many 10000 ')'; echo ': a') >bad.sg
+hostile '1:307: error: brackets nested more than 256 deep'
+(printf '%s' "${head}rule S -> "; many 10000 'repeat x 2 {'; printf a; many 10000 '}') >bad.sg
+hostile 'brackets nested more than 256 deep'
+(printf '%s' "${head}rule S -> draw("; many 10000 'sin('; printf 1; many 10000 ')') >bad.sg
+hostile 'brackets nested more than 256 deep'
+echo "${head}rule S -> repeat x 1e9 { a }" >bad.sg
+hostile '1:60: error: the repeat count is 1e+09; expected a number from 0 to 1000000'
+echo "${head}rule S -> draw(1e-999)" >bad.sg
+hostile '1e-999 is too small'
+echo "${head}rule S -> draw(1e308 * 10)" >bad.sg
+hostile '1:56: error: an argument is not finite: its value is inf'
+printf 'label a\nlabel \303(' >bad.sg
+hostile '2:7: error: byte 0xc3 is no UTF-8'
+printf 'label a\nlabel \364\220\200\200' >bad.sg
+hostile '2:7: error: byte 0xf4 is no UTF-8'
+# recursion without end: known when read, or stopped in the run with the path that it took
+echo 'label a start S(1) rule S(x) if x > 0 -> split x { S(x + 1) | a } rule S(x) if x <= 0 -> a' >bad.sg
+hostile "1:25: error: 'S' is unproductive: no choice of its rules that can be used ever ends"
+echo 'label a limit depth 5 start S rule S -> S rule S at limit -> split x { S | S }' >bad.sg
+hostile "this rule 'at limit' of 'S' never ends"
+cat >endless.sg <<'END'
+label a
+start S(1)
+rule S(x) if x > 0 -> step ~ normal(3, 1) split x { S(x + step) | a }
+rule S(x) if x <= 0 -> a
+END
+expect 0 print-grammar endless.sg
 expect 1 sample-grammar endless.sg -o endless --max-nodes 100000
-says err 'more than 100000 nodes'
+says err 'endless.sg:3: error: deriving S(1) > S(.*) > ([0-9]* more) > .*: more than 100000 nodes'
+[ -z "$(find endless -name '*-0001*')" ] || fail 'a run that failed left something'
+echo 'label a start S rule S -> 0.7 : split x { S | S } -> 0.3 : a' >endless.sg
+expect 1 sample-grammar endless.sg -n 8 -o endless --max-nodes 100000
+says err 'endless.sg:1: error: deriving S > S > S > ([0-9]* more) > .*: more than 100000 nodes'
+# warnings change neither what is written nor the status
+echo 'label a start S rule S -> u ~ uniform(0, 1) T(u) rule T(u) -> u - 0.001 : a -> 1 : a rule T(u) if u > 1 -> a' >odd.sg
+expect 0 print-grammar odd.sg
+says err 'print-grammar: odd.sg:1:99: warning: this guard never holds, as u is from 0 to 1'
+says out 'rule T(u)'
+expect 0 sample-grammar odd.sg -o odd
+says err 'sample-grammar: odd.sg:1:99: warning: '
 echo 'label a start S rule S -> repeat x 1e6 { repeat y 1e6 { repeat x 0 { T } } } rule T -> a' >endless.sg
 expect 1 sample-grammar endless.sg -o endless
 says err 'its repeats place more than 16777216 blocks'

@@ -100,6 +100,27 @@ sed 's/Facade(2)/Facade/' street.sg >bad.sg
 expect 3 print-grammar bad.sg
 says err '^print-grammar: bad.sg:5:42: error: Facade takes 1 argument, not 0'
 
+# so do warnings, and what a run fails on
+cat >sub/odd.sg <<'END'
+material oak #8b5a2b
+material pine #c0a060
+start A(1)
+rule A(x) if x > 0
+  -> u ~ normal(x, 0.1) set_material(oak) insert(box) set_material(pine) insert(box) B(1, u)
+rule B(n, u) if n < 3000 -> B(n + 1, u)
+rule B(n, u) if n >= 3000
+  -> draw(normal(0, u - 9))
+rule B(n, u) if n < 0 -> nothing
+END
+printf 'material pine #123456\nimport A "sub/odd.sg"\nstart A(1)\n' >odd.sg
+expect 0 print-grammar odd.sg
+says err '^print-grammar: sub/odd.sg:9:17: warning: this guard never holds, as n is from 1 to 3001$'
+says out '^material oak #8b5a2b$'
+says out '^material pine #123456$'
+[ "$(grep -c '^material' out)" = 2 ] || fail 'a material is declared twice'
+expect 1 sample-grammar odd.sg -o odd --formats obj
+says err 'sub/odd.sg:8: error: deriving A(1) > A.B(1, .*) > .* more) > .*: draw: the standard deviation must be greater than 0'
+
 refuse() { # TEXT SENTENCE
     printf '%s' "$1" >bad.sg
     expect 3 print-grammar bad.sg

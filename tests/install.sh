@@ -66,6 +66,10 @@ C
 $SG_CC -std=c17 $cflags -o "$work/small" "$work/small.c" ${SG_LINK_FLAGS:-} $libs || fail "linking with: $libs"
 "$work/small" "$root/share/shapegram/grammars/haussmann.sg" || fail "the small program failed"
 
+for file in vim/syntax/shapegram.vim vim/ftdetect/shapegram.vim vscode/package.json vscode/language-configuration.json \
+    vscode/syntaxes/shapegram.tmLanguage.json; do
+    [ -s "$root/share/shapegram/editors/$file" ] || fail "editors/$file is not installed"
+done
 for page in "$root"/share/man/man1/*.1; do
     [ -x "$root/bin/$(basename "$page" .1)" ] || fail "$page is of no program"
 done

@@ -470,7 +470,7 @@ static void put_rules(writer *w, unsigned s)
     const bool guarded = chance(w, 0.3);
     put_head(w, s);
     if (guarded) {
-        put(w, "if depth < 3 or");
+        put(w, "if depth < 30 or");
         put_expr(w, 2);
     }
     put_alternatives(w, s, true);
@@ -479,8 +479,10 @@ static void put_rules(writer *w, unsigned s)
         put(w, "if");
         if (w->opts->derivable)
             put(w, "true");
-        else
+        else {
+            put(w, "depth == 0 or"); /* no guard may be one that never holds */
             put_expr(w, 2);
+        }
         put_alternatives(w, s, false);
     }
     if (w->limit && chance(w, 0.4)) {
@@ -541,6 +543,8 @@ static void put_declarations(writer *w)
             put(w, "#%06x", below(w, 0xFFFFFF));
     }
     fputc('\n', w->out);
+    if (chance(w, 0.3))
+        put(w, "material brick #%06x", below(w, 0xFFFFFF));
 }
 
 char *random_grammar_text(gsl_rng *rng, const random_grammar_opts *opts)

@@ -561,14 +561,15 @@ END_TEST
 START_TEST(impossible_draws_and_guards_tell_the_path)
 {
     sg_error err = SG_ERROR_INIT;
-    sg_grammar *g = load("label t\nstart S\nrule S -> split x { t | Mid(1) }\nrule Mid(a) -> split y { Bad(0 - a) }\n"
+    sg_grammar *g = load("label t\nstart S\nrule S -> split x { t | Mid(1) }\nrule Mid(a) -> w ~ normal(-9, a) split y { Bad(w) }\n"
                          "rule Bad(b) -> v ~ normal(0, b) split x { '1 : Leaf(v) }\nrule Leaf(v) if v > 1 -> t\n");
     gsl_rng *rng = sg_random_create(1);
     sg_derivation d, before;
     sg_derivation_init(&d, g);
     sg_derivation_init(&before, g);
     ck_assert_int_eq(sg_derivation_sample(&d, rng, 20, &err), SG_ENUMERIC);
-    ck_assert_ptr_nonnull(strstr(err.msg, "S > Mid > Bad"));
+    ck_assert_ptr_eq(strstr(err.msg, "test:5: error: deriving S > Mid(1) > Bad(-"), err.msg);
+    ck_assert_ptr_nonnull(strstr(err.msg, "): draw v: the standard deviation must be greater than 0"));
     ck_assert_uint_eq(d.nnodes, 0);
     /* a failed expansion changes nothing */
     const sg_sym bad = sg_grammar_find(g, "Bad"), leaf = sg_grammar_find(g, "Leaf");

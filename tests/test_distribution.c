@@ -181,7 +181,7 @@ typedef struct {
 static drawn open_draw(int i)
 {
     char text[300];
-    snprintf(text, sizeof text, "start A(1) rule A(m) -> s ~ %s draw(s)", draws[i]);
+    snprintf(text, sizeof text, "rule A(m) -> s ~ %s draw(s) start B rule B -> m ~ normal(0, 1) A(m)", draws[i]);
     drawn t = {test_grammar(text), NULL, {0.75, 0}};
     t.d = &sg_grammar_rule(t.g, 0)->draws[0];
     return t;
@@ -303,7 +303,7 @@ START_TEST(impossible_parameters_are_errors)
                {"mixture((1, 1, m))", 0}, {"discrete((m, 1))", 0}, {"discrete((1, m))", NAN}};
     sg_error err = SG_ERROR_INIT;
     char text[200];
-    snprintf(text, sizeof text, "start A(1) rule A(m) -> s ~ %s draw(s)", bad[_i].draw);
+    snprintf(text, sizeof text, "rule A(m) -> s ~ %s draw(s) start B rule B -> m ~ normal(0, 1) A(m)", bad[_i].draw);
     sg_grammar *g = test_grammar(text);
     const sg_draw *d = &sg_grammar_rule(g, 0)->draws[0];
     const double u[2] = {0.5, 0.5};

@@ -48,11 +48,12 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 
 static const char language[] =
     "grammar g limit depth 3 tied weights const k = 2 function f(a) = a + k label wall #ff0000 label sky start A(f(1)) "
-    "rule A(x) if x > 0 -> x + 1 : s ~ normal(x, 1) draw(mixture((1, s, 1), (2, 0, 1))) [ B maybe(0.5) wall maybe(x / 9) A(x) ] "
+    "rule A(x) if x > 0 -> x + 1 : s ~ normal(x, 1) draw(mixture((1, s, 1), (2, 0, 1))) [ B maybe(0.5) wall maybe(x / 9) A(x) ] C(uniform(0, 1)) "
     "-> 1 : split x { 3 : wall | ~2 : B | '0.1 : sky } repeat y 3 { B wall } components { top : wall | all : B } "
     "rule A(x) if x <= 0 -> insert(cube) set_material(oak) rule A(x) at limit -> draw(0.1) "
     "rule B -> 0.5 : split y { wall | sky } sizes mean (0.5, 0.5) covariance ((0.01)) examples ((0.4, 0.6)) "
-    "-> 0.5 : split y { wall | sky | sky } sizes mean (0.5, 0.3, 0.2) sd (0.1, 0.1, 0.1)";
+    "-> 0.5 : split y { wall | sky | sky } sizes mean (0.5, 0.3, 0.2) sd (0.1, 0.1, 0.1) "
+    "rule C(u) if u < 2 -> u - 0.5 : nothing -> 1 : nothing rule C(u) if u > 2 -> nothing";
 
 static const char exchange[] =
     "{\"format\":\"shapegram-grammar\",\"version\":1,\"name\":\"n\",\"tied\":true,\"axiom\":\"S\",\"terminals\":[{\"name\":\"w\",\"color\":\"#ff0000\"},{\"name\":\"A\"}],"

@@ -296,7 +296,7 @@ START_TEST(what_is_no_label_scene_is_said)
         {"label a\nstart S\nrule S -> split x { 60 : a | 50 : a }\n", "larger than its scope"},
         {"label a\nstart S\nrule S -> split x { 60 : a | '0.5 : a }\n", "larger than its scope"},
         {"label a\nstart S\nrule S -> split x { 60 : a | '0.2 : a }\n", "do not fill"},
-        {"label a\nstart S\nrule S -> split x { S2(0 - 6) }\nrule S2(n) -> split x { n : a | ~1 : a }\n", "negative"},
+        {"label a\nstart S\nrule S -> m ~ normal(-6, 0.1) split x { S2(m) }\nrule S2(n) -> split x { n : a | ~1 : a }\n", "negative"},
         {"label a\nstart S\nrule S -> split x { a | T }\nrule T -> nothing\n", "hole"},
         {"label a\nstart S\nrule S -> repeat x 0 { a }\n", "empty"},
         {"label a\nstart S\nrule S -> A A\nrule A -> a\n", "more than one"},

@@ -59,8 +59,8 @@ sg_status sg_derivation_copy(sg_derivation *dst, const sg_derivation *src, sg_er
 
 /** Sample from the grammar's prior, replacing what d holds.
  *  @param max_nodes  a derivation that would be larger is an error
- *  @return SG_OK, SG_ENUMERIC (a guard, a weight or a distribution is impossible, max_nodes is passed; the sentence tells
- *          the derivation path), SG_ENOMEM; on failure d is empty */
+ *  @return SG_OK, SG_ENUMERIC (no guard holds, a weight, a distribution or a repeat count is impossible, an argument is NaN,
+ *          max_nodes is passed; the sentence tells file, line and derivation path), SG_ENOMEM; on failure d is empty */
 sg_status sg_derivation_sample(sg_derivation *d, gsl_rng *rng, size_t max_nodes, sg_error *err);
 
 /** Sample a subtree for symbol with these arguments at this depth into `slice` (a derivation of its own whose root has
@@ -85,6 +85,11 @@ sg_status sg_derivation_choose(const sg_derivation *d, size_t node, gsl_rng *rng
  *  @return SG_OK, SG_EINVAL (not open, or no rule of its symbol), SG_ENUMERIC, SG_ENOMEM; on failure d is as it was */
 sg_status sg_derivation_expand(sg_derivation *d, size_t node, sg_rule_id rule, gsl_rng *rng, sg_error *err);
 bool sg_derivation_complete(const sg_derivation *d);
+
+/** Put where it happened in front of the sentence in err: the grammar's file and the line of the node's rule (of its symbol
+ *  while it is open), and the path of symbols with their arguments from the root to the node. For whatever fails on a
+ *  node of a derivation. @return code */
+sg_status sg_derivation_fail_at(const sg_derivation *d, size_t node, sg_status code, sg_error *err);
 
 /** Log prior in the space of uniforms: the sum of log rule probabilities. Open nodes count nothing; tied siblings stand
  *  once in the tree and count once. -INFINITY when a rule has probability 0 where it stands (its guard fails, or it is not

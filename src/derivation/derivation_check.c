@@ -92,7 +92,8 @@ static sg_status check_child(const sg_derivation *d, size_t child, const sg_op *
     const sg_node *n = d->nodes + child;
     if (n->symbol != op->symbol)
         return check_fail(err, child, "its symbol is not the one that the parent's rule asks for");
-    sg_derivation_eval_args(d->grammar, op, d->values + parent->values, parent->depth, args);
+    if (sg_derivation_eval_args(d->grammar, op, d->values + parent->values, parent->depth, args, NULL) != SG_OK)
+        return check_fail(err, child, "an argument is not a number");
     for (uint32_t i = 0; i < op->nargs; i++)
         if (!close_to(d->values[n->values + i], args[i]))
             return check_fail(err, child, "its arguments are not those that its parent gives");

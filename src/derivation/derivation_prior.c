@@ -97,25 +97,25 @@ sg_status sg_derivation_log_density(const sg_derivation *d, double *log_density,
 }
 
 /* The children of a body without repeats are those of its rule. */
-static void hand_down_plain(sg_derivation *d, size_t node, const sg_rule *r)
+static sg_status hand_down_plain(sg_derivation *d, size_t node, const sg_rule *r, sg_error *err)
 {
     const sg_node *n = d->nodes + node;
     size_t child = node + 1;
     for (uint32_t i = 0; i < r->nchildren; i++) {
         const sg_op *op = r->ops + r->child_ops[i];
         if (op->nargs > 0)
-            sg_derivation_eval_args(d->grammar, op, d->values + n->values, n->depth, d->values + d->nodes[child].values);
+            SG_TRY(sg_derivation_eval_args(d->grammar, op, d->values + n->values, n->depth,
+                                           d->values + d->nodes[child].values, err));
         child += d->nodes[child].length;
     }
+    return SG_OK;
 }
 
 sg_status sg_derivation_hand_down(sg_derivation *d, size_t node, const sg_rule *r, bool *fits, sg_error *err)
 {
     *fits = true;
-    if (!r->has_repeat) {
-        hand_down_plain(d, node, r);
-        return SG_OK;
-    }
+    if (!r->has_repeat)
+        return hand_down_plain(d, node, r, err);
     const sg_node *n = d->nodes + node;
     d->pending.n = 0;
     sg_status st = sg_derivation_list_children(d->grammar, r, d->values + n->values, n->depth, (uint32_t)node,
@@ -128,7 +128,8 @@ sg_status sg_derivation_hand_down(sg_derivation *d, size_t node, const sg_rule *
         *fits = child < end && d->nodes[child].symbol == op->symbol;
         if (!*fits)
             break;
-        sg_derivation_eval_args(d->grammar, op, d->values + n->values, n->depth, d->values + d->nodes[child].values);
+        st = sg_derivation_eval_args(d->grammar, op, d->values + n->values, n->depth,
+                                     d->values + d->nodes[child].values, err);
         child += d->nodes[child].length;
     }
     *fits = *fits && child == end;

@@ -38,8 +38,9 @@ void sg_derivation_shift(sg_derivation *d, size_t node, ptrdiff_t nodes, size_t 
 /** Add to the lengths of all ancestors of node. */
 void sg_derivation_stretch(sg_derivation *d, size_t node, ptrdiff_t nodes);
 
-/** Evaluate the arguments of a successor over its parent's frame into args. */
-void sg_derivation_eval_args(const sg_grammar *g, const sg_op *op, const double *frame, double depth, double *args);
+/** Evaluate the arguments of a successor over its parent's frame into args. @return SG_OK, SG_ENUMERIC (one is NaN) */
+sg_status sg_derivation_eval_args(const sg_grammar *g, const sg_op *op, const double *frame, double depth, double *args,
+                                  sg_error *err);
 
 /** Values of all draws of a rule from its uniforms; frame holds the arguments and receives the values. */
 sg_status sg_derivation_transform(const sg_grammar *g, const sg_rule *r, uint32_t nparams, double depth,
@@ -47,7 +48,7 @@ sg_status sg_derivation_transform(const sg_grammar *g, const sg_rule *r, uint32_
 
 /** Evaluate the arguments of the children of `node`, which uses r, over its frame.
  *  @param fits  out: false when a repeat now asks for other children than there are; then some arguments are the new ones
- *  @return SG_OK, SG_ENUMERIC (a repeat count), SG_ENOMEM */
+ *  @return SG_OK, SG_ENUMERIC (a repeat count, an argument that is NaN), SG_ENOMEM */
 sg_status sg_derivation_hand_down(sg_derivation *d, size_t node, const sg_rule *r, bool *fits, sg_error *err);
 
 /** Probability of the rule of a node that is not open, 0 when it cannot stand there. @return SG_OK, SG_ENUMERIC, SG_ENOMEM */
@@ -60,8 +61,5 @@ sg_status sg_node_log_density(const sg_derivation *d, const sg_node *n, double *
 
 /** Draw a rule for the symbol of a node, whatever its rule is now, from the prior: as sg_derivation_choose(). */
 sg_status sg_derivation_draw_rule(const sg_derivation *d, size_t node, gsl_rng *rng, sg_rule_id *rule, sg_error *err);
-
-/** Put the path of symbols from the root to node in front of the sentence; returns code. */
-sg_status sg_derivation_fail_at(const sg_derivation *d, size_t node, sg_status code, sg_error *err);
 
 #endif

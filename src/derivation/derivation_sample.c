@@ -180,9 +180,11 @@ static sg_status append_next(growth *w)
     const sg_op *op = w->rules[parent->rule].ops + c.op;
     SG_TRY(sg_derivation_room(d, 1, 0, op->nargs, w->err));
     const size_t node = sg_derivation_append(d, op->symbol, (uint32_t)(d->nnodes - c.parent), depth + 1, op->nargs);
-    if (op->nargs > 0)
-        sg_derivation_eval_args(d->grammar, op, d->values + values, depth, d->values + d->nodes[node].values);
-    return SG_OK;
+    if (op->nargs == 0)
+        return SG_OK;
+    const sg_status st =
+        sg_derivation_eval_args(d->grammar, op, d->values + values, depth, d->values + d->nodes[node].values, w->err);
+    return st == SG_OK ? SG_OK : sg_derivation_fail_at(d, c.parent, st, w->err);
 }
 
 /* True when there is nothing to choose or to draw for the last node: then it has its rule. */
@@ -321,14 +323,27 @@ static sg_status insert_draws(sg_derivation *d, size_t node, const sg_rule *r, g
     return st;
 }
 
+static sg_status check_args(const sg_derivation *d, const sg_node *parent, const sg_op *op, sg_error *err)
+{
+    double arg;
+    for (uint32_t i = 0; i < op->nargs; i++) {
+        const sg_op one = {.nargs = 1, .args = op->args + i, .symbol = op->symbol};
+        SG_TRY(sg_derivation_eval_args(d->grammar, &one, d->values + parent->values, parent->depth, &arg, err));
+    }
+    return SG_OK;
+}
+
 /* The children in d->pending become open nodes behind the node; value, uniform: where its own end. */
 static sg_status insert_children(sg_derivation *d, size_t node, const sg_rule *r, size_t value, size_t uniform,
                                  sg_error *err)
 {
     const size_t n = d->pending.n;
     size_t nargs = 0;
-    for (size_t i = 0; i < n; i++)
-        nargs += r->ops[d->pending.items[i].op].nargs;
+    for (size_t i = 0; i < n; i++) {
+        const sg_op *op = r->ops + d->pending.items[i].op;
+        SG_TRY(check_args(d, d->nodes + node, op, err)); /* nothing may fail once the tree is open */
+        nargs += op->nargs;
+    }
     SG_TRY(sg_derivation_reserve(d, n, 0, nargs, err));
     sg_derivation_shift(d, node, (ptrdiff_t)n, value, (ptrdiff_t)nargs, uniform, 0);
     const sg_node parent = d->nodes[node];
@@ -341,7 +356,7 @@ static sg_status insert_children(sg_derivation *d, size_t node, const sg_rule *r
                                            .depth = parent.depth + 1,
                                            .values = (uint32_t)value,
                                            .uniforms = (uint32_t)uniform};
-        sg_derivation_eval_args(d->grammar, op, d->values + parent.values, parent.depth, d->values + value);
+        SG_TRY(sg_derivation_eval_args(d->grammar, op, d->values + parent.values, parent.depth, d->values + value, err));
         value += op->nargs;
     }
     d->nodes[node].length += (uint32_t)n;

@@ -125,6 +125,7 @@ typedef struct sg_ast_definition {
     struct sg_ast_definition *next;
 } sg_ast_definition;
 
+/** Also a material, whose colour is always given. */
 typedef struct sg_ast_label {
     const char *name;
     bool has_color;
@@ -150,6 +151,7 @@ typedef struct {
     sg_ast_import *imports, *last_import; /* what they bring is in the lists below once they are read */
     sg_ast_definition *definitions, *last_definition;
     sg_ast_label *labels, *last_label;
+    sg_ast_label *materials, *last_material;
     sg_ast_rule *rules, *last_rule;
 } sg_ast;
 

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* build.c - from the syntax tree to the grammar: names are declared, rules compiled symbol by symbol, then the hidden
- * symbols that their bodies asked for get their rules.
- *
- * A label in a split stands for a hidden symbol with the one rule "-> label" (also at the depth limit). `maybe(p) X(...)`
- * is a hidden symbol with the rules X(...) (p) and the empty body (1 - p); its parameters are those of X, behind the
- * probability itself unless that is a constant. Equal ones are one symbol. */
+ * symbols that their bodies asked for get their rules (build_hidden.c). */
 #include "config.h"
 
 #include "core/array.h"
@@ -32,11 +28,12 @@ sg_status sg_build_symbol(sg_builder *b, const sg_symbol *s, sg_pos at, sg_sym *
     *out = (sg_sym)b->nsymbols;
     b->symbols[b->nsymbols] = *s;
     b->symbols[b->nsymbols].line = at.line;
+    b->symbols[b->nsymbols].file = sg_source_imported(b->source, at);
     b->symbol_at[b->nsymbols++] = at;
     return SG_OK;
 }
 
-static sg_status add_rule(sg_builder *b, const sg_rule *r, sg_pos at)
+sg_status sg_build_rule(sg_builder *b, const sg_rule *r, sg_pos at)
 {
     if (b->nrules >= SG_NONE - 1)
         return FAIL(b, at, "too many rules");
@@ -93,8 +90,7 @@ static const char *const *names_array(sg_arena *arena, const sg_ast_names *names
     return array;
 }
 
-static const sg_symbol blank_symbol = {
-    .kind = SG_SYMBOL_NONTERMINAL, .first_rule = SG_NONE, .completion = SG_NONE};
+static const sg_symbol blank_symbol = SG_BLANK_SYMBOL;
 
 static sg_status declare_nonterminal(sg_builder *b, const sg_ast_rule *r)
 {
@@ -134,6 +130,16 @@ static sg_status declare_labels(sg_builder *b)
         sg_sym id = SG_NONE;
         SG_TRY(sg_build_symbol(b, &s, l->at, &id));
         SG_TRY(put(b, &b->symbol_names, l->name, id));
+    }
+    return SG_OK;
+}
+
+static sg_status declare_materials(sg_builder *b)
+{
+    for (const sg_ast_label *m = b->ast->materials; m != NULL; m = m->next) {
+        if (sg_names_get(&b->material_names, m->name) != UINT32_MAX)
+            return FAIL(b, m->at, "material '%.60s' was declared before", m->name);
+        SG_TRY(put(b, &b->material_names, m->name, m->color));
     }
     return SG_OK;
 }
@@ -199,7 +205,7 @@ static sg_status build_alternative(sg_builder *b, sg_sym lhs, const sg_ast_rule 
     if (a->weight != NULL && sg_build_is_constant(b, rule.weight, &weight) && weight < 0)
         return FAIL(b, a->weight->at, "the weight is %g; expected a number that is not negative", weight);
     SG_TRY(sg_build_body(b, &r->params, a->items, &rule));
-    return add_rule(b, &rule, a->at);
+    return sg_build_rule(b, &rule, a->at);
 }
 
 static sg_status build_completion(sg_builder *b, sg_sym lhs, const sg_ast_rule *r)
@@ -269,119 +275,6 @@ static sg_status build_rules(sg_builder *b)
     return SG_OK;
 }
 
-/* ---- hidden symbols ---- */
-
-static sg_status add_hidden(sg_builder *b, const sg_symbol *s, sg_hidden h, const char *key, sg_pos at, sg_sym *out)
-{
-    if (key == NULL || !SG_GROW(b->hidden, b->hidden_capacity, b->nhidden + 1))
-        return sg_build_fail_nomem(b);
-    SG_TRY(sg_build_symbol(b, s, at, out));
-    h.symbol = *out;
-    b->hidden[b->nhidden++] = h;
-    return put(b, &b->hidden_names, key, *out);
-}
-
-sg_status sg_build_lexical(sg_builder *b, sg_sym label, sg_sym *out)
-{
-    const sg_mark mark = sg_arena_mark(b->arena);
-    const char *key = sg_arena_printf(b->arena, "label %s", b->symbols[label].name);
-    *out = key != NULL ? sg_names_get(&b->hidden_names, key) : SG_NONE;
-    if (*out != SG_NONE) {
-        sg_arena_rewind(b->arena, mark);
-        return SG_OK;
-    }
-    sg_symbol s = blank_symbol;
-    s.name = b->symbols[label].name;
-    s.hidden = true;
-    const sg_hidden h = {SG_NONE, label, false, true, 1};
-    return add_hidden(b, &s, h, key, b->symbol_at[label], out);
-}
-
-/* [probability,] parameters of the target. */
-static const char *const *optional_params(sg_builder *b, const sg_symbol *target, bool constant)
-{
-    const char **params = SG_NEW_ARRAY(b->arena, const char *, target->nparams + 1);
-    uint32_t n = 0;
-    if (params == NULL)
-        return NULL;
-    if (!constant)
-        params[n++] = "probability";
-    for (uint32_t i = 0; i < target->nparams; i++)
-        params[n++] = target->params[i];
-    return params;
-}
-
-sg_status sg_build_optional(sg_builder *b, sg_sym target, bool constant, double probability, sg_pos at, sg_sym *out)
-{
-    char number[SG_NUMBER_SIZE];
-    const char *name = constant ? sg_arena_printf(b->arena, "maybe(%s) %s", sg_number_format(probability, number),
-                                                  b->symbols[target].name)
-                                : sg_arena_printf(b->arena, "maybe %s", b->symbols[target].name);
-    if (name == NULL)
-        return sg_build_fail_nomem(b);
-    *out = sg_names_get(&b->hidden_names, name);
-    if (*out != SG_NONE)
-        return SG_OK;
-    sg_symbol s = blank_symbol;
-    s.name = name;
-    s.hidden = true;
-    s.params = optional_params(b, &b->symbols[target], constant);
-    s.nparams = b->symbols[target].nparams + !constant;
-    if (s.params == NULL)
-        return sg_build_fail_nomem(b);
-    const sg_hidden h = {SG_NONE, target, true, constant, probability};
-    return add_hidden(b, &s, h, name, at, out);
-}
-
-/* The rule of a hidden symbol that places its target, with the parameters from `skip` on as arguments. */
-static sg_status hidden_body(sg_builder *b, sg_sym target, uint32_t skip, sg_rule *r)
-{
-    const sg_symbol *t = &b->symbols[target];
-    sg_op *op = SG_NEW(b->arena, sg_op);
-    sg_expr *args = SG_NEW_ARRAY(b->arena, sg_expr, t->nparams);
-    if (op == NULL || args == NULL)
-        return sg_build_fail_nomem(b);
-    for (uint32_t i = 0; i < t->nparams; i++)
-        SG_TRY(sg_build_slot(b, skip + i, &args[i]));
-    const bool is_label = t->kind == SG_SYMBOL_LABEL;
-    op->kind = SG_OP_SUCCESSOR;
-    op->length = 1;
-    op->nargs = t->nparams;
-    op->args = args;
-    op->symbol = target;
-    op->child = is_label ? SG_NONE : 0;
-    op->draw = SG_NONE;
-    r->nops = 1;
-    r->ops = op;
-    r->nchildren = !is_label;
-    return SG_OK;
-}
-
-static sg_status build_hidden(sg_builder *b, const sg_hidden *h)
-{
-    const sg_pos at = b->symbol_at[h->symbol];
-    const uint32_t skip = h->optional && !h->constant;
-    sg_rule r, empty;
-    memset(&r, 0, sizeof r);
-    r.lhs = h->symbol;
-    r.guard = r.weight = SG_NONE;
-    empty = r;
-    if (h->optional && h->constant) {
-        SG_TRY(sg_build_constant(b, h->probability, &r.weight));
-        SG_TRY(sg_build_constant(b, 1 - h->probability, &empty.weight));
-    } else if (h->optional) {
-        SG_TRY(sg_build_slot(b, 0, &r.weight));
-        SG_TRY(sg_build_complement(b, 0, &empty.weight));
-    }
-    SG_TRY(hidden_body(b, h->target, skip, &r));
-    b->symbols[h->symbol].first_rule = (sg_rule_id)b->nrules;
-    b->symbols[h->symbol].nrules = h->optional ? 2 : 1;
-    if (!h->optional) /* a label stays what it is at the depth limit */
-        b->symbols[h->symbol].completion = (sg_rule_id)b->nrules;
-    SG_TRY(add_rule(b, &r, at));
-    return h->optional ? add_rule(b, &empty, at) : SG_OK;
-}
-
 /* ---- the whole ---- */
 
 static sg_status build_start(sg_builder *b)
@@ -416,14 +309,11 @@ static sg_status build_all(sg_builder *b)
     for (const sg_ast_rule *r = b->ast->rules; r != NULL; r = r->next)
         SG_TRY(declare_nonterminal(b, r));
     SG_TRY(declare_labels(b));
+    SG_TRY(declare_materials(b));
     SG_TRY(define_all(b));
     SG_TRY(build_rules(b));
     SG_TRY(build_start(b));
-    for (size_t i = 0; i < b->nhidden; i++)
-        SG_TRY(build_hidden(b, &b->hidden[i]));
-    for (size_t i = 0; i < b->nhidden; i++)
-        if (b->hidden[i].optional && sg_names_get(&b->symbol_names, b->symbols[b->hidden[i].symbol].name) == SG_NONE)
-            SG_TRY(put(b, &b->symbol_names, b->symbols[b->hidden[i].symbol].name, b->hidden[i].symbol));
+    SG_TRY(sg_build_hidden(b));
     SG_TRY(sg_build_check(b));
     return sg_build_tables(b);
 }
@@ -456,9 +346,12 @@ static sg_status finish(sg_builder *b, sg_grammar **out)
     g->instructions = KEEP(b->instructions, b->ninstructions);
     g->constants = KEEP(b->constants, b->nconstants);
     g->strings = KEEP(b->strings, b->nstrings);
+    g->string_colors = SG_NEW_ARRAY(b->arena, uint32_t, b->nstrings);
     if (g->symbols == NULL || g->rules == NULL || g->codes == NULL || g->instructions == NULL ||
-        g->constants == NULL || g->strings == NULL || g->source == NULL)
+        g->constants == NULL || g->strings == NULL || g->string_colors == NULL || g->source == NULL)
         return sg_build_fail_nomem(b);
+    for (size_t i = 0; i < b->nstrings; i++)
+        g->string_colors[i] = sg_names_get(&b->material_names, b->strings[i]);
     g->nsymbols = b->nsymbols;
     g->nrules = b->nrules;
     g->ncodes = b->ncodes;
@@ -470,9 +363,20 @@ static sg_status finish(sg_builder *b, sg_grammar **out)
     g->depth_limit = b->ast->has_limit ? b->ast->limit : SIZE_MAX;
     g->tied = b->ast->tied;
     g->frame_size = frame_size(b);
+    *out = g;
+    return SG_OK;
+}
+
+/* The last look, and what it had to say; then nothing can fail. */
+static sg_status conclude(sg_builder *b, sg_grammar *g)
+{
+    SG_TRY(sg_build_examine(b, g));
+    g->warnings = KEEP(b->warnings, b->nwarnings);
+    if (g->warnings == NULL)
+        return sg_build_fail_nomem(b);
+    g->nwarnings = b->nwarnings;
     g->names = b->symbol_names;
     b->symbol_names.entries = NULL;
-    *out = g;
     return SG_OK;
 }
 
@@ -484,9 +388,11 @@ static void clear(sg_builder *b)
     sg_names_clear(&b->hidden_names);
     sg_names_clear(&b->string_names);
     sg_names_clear(&b->number_names);
+    sg_names_clear(&b->material_names);
     free(b->symbols);
     free(b->rules);
     free(b->codes);
+    free(b->code_at);
     free(b->instructions);
     free(b->constants);
     free(b->strings);
@@ -505,12 +411,17 @@ sg_status sg_grammar_build(sg_arena *arena, sg_ast *ast, const sg_source *source
     b.source = source;
     b.err = err;
     sg_names *const maps[] = {&b.symbol_names, &b.constant_names, &b.function_names,
-                              &b.hidden_names, &b.string_names,   &b.number_names};
+                              &b.hidden_names, &b.string_names,   &b.number_names, &b.material_names};
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
         maps[i]->arena = arena;
+    sg_grammar *g = NULL;
     sg_status st = build_all(&b);
     if (st == SG_OK)
-        st = finish(&b, out);
+        st = finish(&b, &g);
+    if (st == SG_OK)
+        st = conclude(&b, g);
     clear(&b);
+    if (st == SG_OK)
+        *out = g;
     return st;
 }

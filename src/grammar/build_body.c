@@ -152,6 +152,8 @@ static sg_status build_op_arg(body *y, char kind, const sg_ast_expr *a, sg_expr 
         return sg_build_constant(y->b, a->value, out);
     if (a->kind != SG_AST_NAME)
         return FAIL(y, a->at, "expected a name%s", kind == 'c' ? " or a colour" : "");
+    if (kind == 'c' && y->b->ast->materials != NULL && sg_names_get(&y->b->material_names, a->name) == UINT32_MAX)
+        SG_TRY(sg_build_warn(y->b, a->at, "material '%.60s' is not declared, as others are", a->name));
     return build_string_arg(y, a, kind == 'c' ? SG_SHAPE_STRING_ARG : 0, out);
 }
 
@@ -172,6 +174,10 @@ static sg_status add_shape(body *y, const sg_ast_item *call, sg_shape_op shape)
     uint32_t i = 0;
     for (const sg_ast_expr *a = call->args; a != NULL; a = a->next, i++)
         SG_TRY(build_op_arg(y, info->args[i], a, &args[i]));
+    double slope = 0;
+    if ((shape == SG_SHAPE_GABLE_ROOF || shape == SG_SHAPE_HIP_ROOF) && sg_build_is_constant(y->b, args[0], &slope) &&
+        slope >= 90)
+        SG_TRY(sg_build_warn(y->b, call->args->at, "a roof with a slope of %g degrees; expected less than 90", slope));
     size_t op = 0;
     SG_TRY(add_op(y, SG_OP_SHAPE, &op));
     y->ops[op].shape = shape;

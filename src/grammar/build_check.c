@@ -88,6 +88,8 @@ static uint32_t next_child(const sg_builder *b, const sg_rule *r, uint32_t i, bo
 static bool may_be_chosen(const sg_builder *b, sg_rule_id r)
 {
     const sg_symbol *s = &b->symbols[b->rules[r].lhs];
+    if (b->usable != NULL && !b->usable[r])
+        return false;
     return !s->constant_weights || b->rules[r].probability > 0 || r == s->completion;
 }
 
@@ -170,10 +172,23 @@ static sg_status index_uses(sg_builder *b, productivity *p)
     return SG_OK;
 }
 
-static sg_status check_productive(sg_builder *b)
+/* With a depth limit every derivation comes to the completions at last: then these alone must end. */
+static bool counts(const sg_builder *b, sg_rule_id r)
 {
-    if (b->ast->has_limit) /* the limit ends every derivation */
-        return SG_OK;
+    return b->ast->has_limit ? r == b->symbols[b->rules[r].lhs].completion : may_be_chosen(b, r);
+}
+
+static sg_status fail_unproductive(sg_builder *b, sg_sym s)
+{
+    if (b->ast->has_limit)
+        return FAIL(b, b->rule_at[b->symbols[s].completion], "this rule 'at limit' of '%.60s' never ends",
+                    b->symbols[s].name);
+    return FAIL(b, b->symbol_at[s], "'%.60s' is unproductive: no choice of its rules %sever ends", b->symbols[s].name,
+                b->usable != NULL ? "that can be used " : "");
+}
+
+sg_status sg_build_check_productive(sg_builder *b)
+{
     productivity p = {SG_NEW_ARRAY(b->arena, uint32_t, b->nrules),
                       SG_NEW_ARRAY(b->arena, uint32_t, b->nsymbols + 1),
                       NULL,
@@ -183,19 +198,21 @@ static sg_status check_productive(sg_builder *b)
     if (p.missing == NULL || p.first == NULL || p.productive == NULL || p.stack == NULL)
         return sg_build_fail_nomem(b);
     SG_TRY(index_uses(b, &p));
+    for (size_t s = 0; b->ast->has_limit && s < b->nsymbols; s++)
+        if (b->symbols[s].completion == SG_NONE) /* the empty body */
+            found_productive(&p, (sg_sym)s);
     for (size_t r = 0; r < b->nrules; r++)
-        if (p.missing[r] == 0 && may_be_chosen(b, (sg_rule_id)r))
+        if (p.missing[r] == 0 && counts(b, (sg_rule_id)r))
             found_productive(&p, b->rules[r].lhs);
     while (p.n > 0) {
         const sg_sym s = p.stack[--p.n];
         for (uint32_t i = p.first[s]; i < p.first[s + 1]; i++)
-            if (--p.missing[p.uses[i]] == 0 && may_be_chosen(b, p.uses[i]))
+            if (--p.missing[p.uses[i]] == 0 && counts(b, p.uses[i]))
                 found_productive(&p, b->rules[p.uses[i]].lhs);
     }
     for (size_t s = 0; s < b->nsymbols; s++)
         if (!p.productive[s] && b->symbols[s].kind == SG_SYMBOL_NONTERMINAL)
-            return FAIL(b, b->symbol_at[s], "'%.60s' is unproductive: no choice of its rules ever ends",
-                        b->symbols[s].name);
+            return fail_unproductive(b, (sg_sym)s);
     return SG_OK;
 }
 
@@ -205,5 +222,5 @@ sg_status sg_build_check(sg_builder *b)
         if (b->symbols[s].kind == SG_SYMBOL_NONTERMINAL)
             SG_TRY(check_weights(b, &b->symbols[s]));
     SG_TRY(check_reachable(b));
-    return check_productive(b);
+    return sg_build_check_productive(b);
 }

@@ -19,6 +19,8 @@ typedef struct {
     unsigned depth, steps; /* bounds of what nested and repeated calls of functions can ask for */
 } assembler;
 
+static const sg_pos nowhere = {0, 0}; /* of expressions that nobody wrote */
+
 enum { MAX_DEPTH = 2 * SG_MAX_HEIGHT, MAX_STEPS = 10 * SG_MAX_CODE };
 
 sg_status sg_build_fail_nomem(sg_builder *b)
@@ -222,14 +224,16 @@ static sg_status compile(assembler *as, const sg_scope *scope, const sg_ast_expr
     return st;
 }
 
-static sg_status add_code(sg_builder *b, const sg_instruction *code, size_t n, sg_operand result, sg_expr *out)
+static sg_status add_code(sg_builder *b, const sg_instruction *code, size_t n, sg_operand result, sg_pos at, sg_expr *out)
 {
     if (!SG_GROW(b->codes, b->codes_capacity, b->ncodes + 1) ||
+        !SG_GROW(b->code_at, b->code_at_capacity, b->ncodes + 1) ||
         !SG_GROW(b->instructions, b->instructions_capacity, b->ninstructions + n))
         return sg_build_fail_nomem(b);
     if (n > 0)
         memcpy(b->instructions + b->ninstructions, code, n * sizeof *code);
     *out = (sg_expr)b->ncodes;
+    b->code_at[b->ncodes] = at;
     b->codes[b->ncodes++] = (sg_code){(uint32_t)b->ninstructions, (uint32_t)n, result};
     b->ninstructions += n;
     return SG_OK;
@@ -245,7 +249,7 @@ sg_status sg_build_expr(sg_builder *b, const sg_scope *scope, const sg_ast_expr 
         st = sg_source_fail(b->source, e->at, b->err, "%s is not finite: its value is %g", scope->what,
                             b->constants[SG_OPERAND_INDEX(result)]);
     if (st == SG_OK)
-        st = add_code(b, as.code, as.n, result, out);
+        st = add_code(b, as.code, as.n, result, e->at, out);
     free(as.code);
     return st;
 }
@@ -254,12 +258,12 @@ sg_status sg_build_constant(sg_builder *b, double value, sg_expr *out)
 {
     sg_operand result;
     SG_TRY(constant_operand(b, value, &result));
-    return add_code(b, NULL, 0, result, out);
+    return add_code(b, NULL, 0, result, nowhere, out);
 }
 
 sg_status sg_build_slot(sg_builder *b, uint32_t slot, sg_expr *out)
 {
-    return add_code(b, NULL, 0, SG_OPERAND(SG_IN_FRAME, slot), out);
+    return add_code(b, NULL, 0, SG_OPERAND(SG_IN_FRAME, slot), nowhere, out);
 }
 
 sg_status sg_build_complement(sg_builder *b, uint32_t slot, sg_expr *out)
@@ -267,7 +271,7 @@ sg_status sg_build_complement(sg_builder *b, uint32_t slot, sg_expr *out)
     sg_operand one;
     SG_TRY(constant_operand(b, 1, &one));
     const sg_instruction subtract = {SG_E_SUB, 0, one, SG_OPERAND(SG_IN_FRAME, slot), one};
-    return add_code(b, &subtract, 1, SG_OPERAND(SG_IN_REGISTERS, 0), out);
+    return add_code(b, &subtract, 1, SG_OPERAND(SG_IN_REGISTERS, 0), nowhere, out);
 }
 
 bool sg_build_is_constant(const sg_builder *b, sg_expr e, double *value)

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* build_priv.h - the builder: syntax tree to grammar. build.c declares symbols and rules, build_expr.c compiles
- * expressions and draws, build_body.c bodies, build_check.c looks at the whole. */
+/* build_priv.h - the builder: syntax tree to grammar. build.c declares symbols and rules, build_hidden.c those that nobody
+ * wrote, build_expr.c compiles expressions, build_draw.c draws, build_body.c bodies; build_check.c looks at the whole,
+ * build_range.c and build_range_check.c at what values can be, build_examples.c at what they come to. */
 #ifndef SG_GRAMMAR_BUILD_PRIV_H
 #define SG_GRAMMAR_BUILD_PRIV_H
 
 #include "grammar/grammar_priv.h"
 #include "grammar/names.h"
+
+enum { SG_MAX_WARNINGS = 20 };
 
 /** A hidden symbol that is still to get its rules. */
 typedef struct {
@@ -21,7 +24,8 @@ typedef struct {
     sg_ast *ast;
     const sg_source *source;
     sg_error *err;
-    sg_names symbol_names, constant_names, function_names, hidden_names, string_names, number_names;
+    sg_names symbol_names, constant_names, function_names, hidden_names, string_names, number_names,
+        material_names; /* to colours */
     /* growing, in malloc's memory until the grammar is done */
     sg_symbol *symbols;
     size_t nsymbols, symbols_capacity;
@@ -29,6 +33,8 @@ typedef struct {
     size_t nrules, rules_capacity;
     sg_code *codes;
     size_t ncodes, codes_capacity;
+    sg_pos *code_at; /* where each expression stands, for the same */
+    size_t code_at_capacity;
     sg_instruction *instructions;
     size_t ninstructions, instructions_capacity;
     double *constants;
@@ -41,6 +47,10 @@ typedef struct {
     size_t nfunctions, functions_capacity;
     sg_pos *symbol_at, *rule_at; /* where they are defined, for errors of the checks */
     size_t symbol_at_capacity, rule_at_capacity;
+    const bool *usable; /* [nrules] false: no value that can come there lets the rule be used; NULL: not known yet */
+    const char *warnings[SG_MAX_WARNINGS]; /* in the arena, "FILE:LINE:COL: warning: ..." */
+    sg_pos warned_at[SG_MAX_WARNINGS];
+    size_t nwarnings;
     sg_sym start;
     double *start_args;
 } sg_builder;
@@ -88,14 +98,27 @@ bool sg_build_is_reserved(const char *name);
 /** Compile a body into ops, draws and counts of the rule. draws begins empty and is cleared by the caller. */
 sg_status sg_build_body(sg_builder *b, const sg_ast_names *params, sg_ast_item *items, sg_rule *rule);
 
+/** What a symbol begins as. */
+#define SG_BLANK_SYMBOL {.kind = SG_SYMBOL_NONTERMINAL, .first_rule = SG_NONE, .completion = SG_NONE}
+
 /** The hidden symbol of a label. */
 sg_status sg_build_lexical(sg_builder *b, sg_sym label, sg_sym *out);
-/** The hidden symbol of an optional successor; nparams of it as the header of build.c says. */
+/** The hidden symbol of an optional successor; nparams of it as the header of build_hidden.c says. */
 sg_status sg_build_optional(sg_builder *b, sg_sym target, bool constant, double probability, sg_pos at, sg_sym *out);
 sg_status sg_build_symbol(sg_builder *b, const sg_symbol *s, sg_pos at, sg_sym *out);
+sg_status sg_build_rule(sg_builder *b, const sg_rule *r, sg_pos at);
+/** Rules of all hidden symbols, and the names of the optional ones. */
+sg_status sg_build_hidden(sg_builder *b);
 
 /** Weights, reachability, productivity. */
 sg_status sg_build_check(sg_builder *b);
+/** Every symbol has some choice of rules that ends, of those that are known to be usable. */
+sg_status sg_build_check_productive(sg_builder *b);
+
+/** A remark that stops nothing; a second one for the same place, and those after the first SG_MAX_WARNINGS, are dropped. */
+sg_status sg_build_warn(sg_builder *b, sg_pos at, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/** Look at what the expressions of the finished grammar can be: build_range_priv.h. @return SG_OK, SG_EINPUT, SG_ENOMEM */
+sg_status sg_build_examine(sg_builder *b, const sg_grammar *g);
 
 /** What searches ask of each rule again and again: child_ops, draws_passed. */
 sg_status sg_build_tables(sg_builder *b);

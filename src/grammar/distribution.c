@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* In the order of sg_draw_kind. */
 static const sg_distribution_info distributions[] = {
     {"uniform", SG_DRAW_UNIFORM, 2, false, "low, high", 1},
     {"normal", SG_DRAW_NORMAL, 2, false, "mean, sd", 1},

@@ -93,9 +93,24 @@ void sg_grammar_free(sg_grammar *g)
     sg_arena_free(g->arena);
 }
 
+size_t sg_grammar_warning_count(const sg_grammar *g)
+{
+    return g->nwarnings;
+}
+
+const char *sg_grammar_warning(const sg_grammar *g, size_t i)
+{
+    return g->warnings[i];
+}
+
 const char *sg_grammar_name(const sg_grammar *g)
 {
     return g->name;
+}
+
+const char *sg_grammar_source(const sg_grammar *g)
+{
+    return g->source;
 }
 
 size_t sg_grammar_symbol_count(const sg_grammar *g)
@@ -151,6 +166,11 @@ size_t sg_grammar_frame_size(const sg_grammar *g)
 const char *sg_grammar_string(const sg_grammar *g, uint32_t index)
 {
     return g->strings[index];
+}
+
+uint32_t sg_grammar_material_color(const sg_grammar *g, uint32_t index)
+{
+    return g->string_colors[index];
 }
 
 bool sg_grammar_constant(const sg_grammar *g, sg_expr e, double *value)
@@ -226,8 +246,10 @@ static sg_status weight_of(const sg_grammar *g, const sg_rule *r, const double *
     *weight = r->weight != SG_NONE ? sg_grammar_eval(g, r->weight, args, depth) : 1;
     if (*weight >= 0 && *weight <= DBL_MAX)
         return SG_OK;
-    return SG_FAIL(err, SG_ENUMERIC, "symbol %s, line %u: the weight of a rule is %g", g->symbols[r->lhs].name, r->line,
-                   *weight);
+    const sg_symbol *s = &g->symbols[r->lhs];
+    if (s->hidden)
+        return SG_FAIL(err, SG_ENUMERIC, "the probability of an optional successor is %g", args[0]);
+    return SG_FAIL(err, SG_ENUMERIC, "the weight of a rule is %g (line %u)", *weight, (unsigned)r->line);
 }
 
 sg_status sg_grammar_rule_probabilities(const sg_grammar *g, sg_sym s, const double *args, double depth, double *p,
@@ -249,9 +271,9 @@ sg_status sg_grammar_rule_probabilities(const sg_grammar *g, sg_sym s, const dou
         sum += p[i];
     }
     if (!any)
-        return SG_FAIL(err, SG_ENUMERIC, "symbol %s: no rule's guard holds", symbol->name);
+        return SG_FAIL(err, SG_ENUMERIC, "no guard of its rules holds");
     if (!(sum > 0 && sum <= DBL_MAX))
-        return SG_FAIL(err, SG_ENUMERIC, "symbol %s: the weights of its rules sum to %g", symbol->name, sum);
+        return SG_FAIL(err, SG_ENUMERIC, "the weights of its rules sum to %g", sum);
     for (uint32_t i = 0; i < symbol->nrules; i++)
         p[i] /= sum;
     return SG_OK;
@@ -277,8 +299,7 @@ static sg_status count_children(const sg_grammar *g, const sg_rule *r, uint32_t 
             ++*seen;
             *n += times;
             if (*n > SG_MAX_REPEAT)
-                return SG_FAIL(err, SG_ENUMERIC, "a rule of %s repeats more than %d children", g->symbols[r->lhs].name,
-                               SG_MAX_REPEAT);
+                return SG_FAIL(err, SG_ENUMERIC, "it repeats more than %d children", SG_MAX_REPEAT);
         }
         if (op->kind != SG_OP_REPEAT) {
             i++;
@@ -287,8 +308,7 @@ static sg_status count_children(const sg_grammar *g, const sg_rule *r, uint32_t 
         size_t count = 0;
         SG_TRY(sg_op_repeat_count(g, op, frame, depth, &count, err));
         if (count > 0 && times > SG_MAX_REPEAT / count)
-            return SG_FAIL(err, SG_ENUMERIC, "a rule of %s repeats more than %d times", g->symbols[r->lhs].name,
-                           SG_MAX_REPEAT);
+            return SG_FAIL(err, SG_ENUMERIC, "it repeats more than %d times", SG_MAX_REPEAT);
         SG_TRY(count_children(g, r, i + 1, i + op->length, times * count, frame, depth, seen, n, err));
         i += op->length;
     }

@@ -44,6 +44,7 @@ typedef struct {
     bool leaf;                   /* its one rule has neither guard, draws, children nor parameters: nothing to choose or draw */
     uint32_t color;              /* 0xRRGGBB, labels only */
     uint32_t line;               /* of the definition, 0 when there was no file */
+    const char *file;            /* that it was imported from, else NULL */
 } sg_symbol;
 
 typedef enum { SG_AXIS_X, SG_AXIS_Y, SG_AXIS_Z } sg_axis;
@@ -110,6 +111,12 @@ sg_status sg_grammar_load(const char *path, sg_grammar **out, sg_error *err);
 sg_status sg_grammar_parse(const char *text, size_t length, const char *name, sg_grammar **out, sg_error *err);
 void sg_grammar_free(sg_grammar *g);
 
+/** What reading found that is no error, but hardly meant: guards that never hold, symbols that nothing leads to, and
+ *  weights and parameters that can become impossible, with a derivation that leads there. Each is one message
+ *  "FILE:LINE:COL: warning: ...", with the line and a caret under it; at most 20, in the order they were found. */
+size_t sg_grammar_warning_count(const sg_grammar *g);
+const char *sg_grammar_warning(const sg_grammar *g, size_t i);
+
 /** Canonical text: print(parse(text)) is a fixed point; numbers are the shortest that read back the same.
  *  @return SG_OK, SG_EIO */
 sg_status sg_grammar_print(const sg_grammar *g, FILE *out, sg_error *err);
@@ -118,6 +125,8 @@ sg_status sg_grammar_print(const sg_grammar *g, FILE *out, sg_error *err);
 sg_status sg_grammar_print_dot(const sg_grammar *g, FILE *out, sg_error *err);
 
 const char *sg_grammar_name(const sg_grammar *g);
+/** The file that it was read from, or what stands for one in messages. */
+const char *sg_grammar_source(const sg_grammar *g);
 size_t sg_grammar_symbol_count(const sg_grammar *g);
 size_t sg_grammar_rule_count(const sg_grammar *g); /* completion rules included */
 const sg_symbol *sg_grammar_symbol(const sg_grammar *g, sg_sym s);
@@ -137,6 +146,8 @@ size_t sg_grammar_frame_size(const sg_grammar *g);
 
 /** A string argument of a shape operation (shape_ops.h). */
 const char *sg_grammar_string(const sg_grammar *g, uint32_t index);
+/** Colour 0xRRGGBB of the material of that name, SG_NONE when the grammar declares none. */
+uint32_t sg_grammar_material_color(const sg_grammar *g, uint32_t index);
 
 /** True when the expression does not depend on its frame; then *value is its value. */
 bool sg_grammar_constant(const sg_grammar *g, sg_expr e, double *value);

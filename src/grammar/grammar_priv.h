@@ -56,7 +56,10 @@ struct sg_grammar {
     size_t nconstants;
     const char **strings; /* arguments of shape operations */
     size_t nstrings;
+    uint32_t *string_colors; /* [nstrings] of declared materials 0xRRGGBB, of others SG_NONE */
     sg_names names; /* of symbols */
+    const char *const *warnings;
+    size_t nwarnings;
 };
 
 /** Build a grammar from a tree that lives in arena; takes over the arena when it succeeds.

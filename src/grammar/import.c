@@ -99,6 +99,25 @@ static sg_status check_fit(importer *im, const sg_ast *into, const sg_ast_import
     return SG_OK;
 }
 
+static bool has_material(const sg_ast *ast, const char *name)
+{
+    for (const sg_ast_label *m = ast->materials; m != NULL; m = m->next)
+        if (strcmp(m->name, name) == 0)
+            return true;
+    return false;
+}
+
+/* Materials that are declared here look as they do here. */
+static void move_materials(sg_ast *into, const sg_ast *from)
+{
+    for (sg_ast_label *m = from->materials, *next; m != NULL; m = next) {
+        next = m->next;
+        m->next = NULL;
+        if (!has_material(into, m->name))
+            SG_AST_APPEND(into->materials, into->last_material, m);
+    }
+}
+
 /* Labels that are symbols here, or labels already, are not declared again. */
 static void move_labels(sg_ast *into, const sg_ast *from)
 {
@@ -113,6 +132,7 @@ static void move_labels(sg_ast *into, const sg_ast *from)
 static void join(sg_ast *into, const sg_ast *from)
 {
     move_labels(into, from);
+    move_materials(into, from);
     if (from->definitions != NULL) {
         SG_AST_APPEND(into->definitions, into->last_definition, from->definitions);
         into->last_definition = from->last_definition;

@@ -254,6 +254,17 @@ static void print_rule(FILE *out, const sg_ast_rule *r)
     }
 }
 
+static void print_colored(FILE *out, const char *word, const sg_ast_label *list)
+{
+    for (const sg_ast_label *l = list; l != NULL; l = l->next) {
+        fprintf(out, "%s ", word);
+        print_name(out, l->name);
+        if (l->has_color)
+            fprintf(out, " #%06x", (unsigned)l->color);
+        fputc('\n', out);
+    }
+}
+
 static void print_definitions(FILE *out, const sg_ast *ast)
 {
     for (const sg_ast_definition *d = ast->definitions; d != NULL; d = d->next) {
@@ -264,13 +275,8 @@ static void print_definitions(FILE *out, const sg_ast *ast)
         print_expr(out, d->value, 0);
         fputc('\n', out);
     }
-    for (const sg_ast_label *l = ast->labels; l != NULL; l = l->next) {
-        fputs("label ", out);
-        print_name(out, l->name);
-        if (l->has_color)
-            fprintf(out, " #%06x", (unsigned)l->color);
-        fputc('\n', out);
-    }
+    print_colored(out, "label", ast->labels);
+    print_colored(out, "material", ast->materials);
 }
 
 sg_status sg_grammar_print(const sg_grammar *g, FILE *out, sg_error *err)

@@ -67,6 +67,7 @@ static void add_definition(sg_parse *p, const char *name, bool is_function, sg_a
                            sg_pos at);
 static void add_label(sg_parse *p, const char *name, bool has_color, uint32_t color, sg_pos at);
 static void add_import(sg_parse *p, const char *name, const char *file, sg_pos at, sg_pos file_at);
+static void add_material(sg_parse *p, const char *name, uint32_t color, sg_pos at);
 static void add_rule(sg_parse *p, sg_ast_rule head, sg_ast_alternatives alternatives);
 static sg_ast_names add_name(sg_parse *p, sg_ast_names list, const char *name, sg_pos at);
 static sg_ast_item *block(sg_parse *p, sg_item_kind kind, const char *name, sg_ast_expr *arg, sg_ast_item *items,
@@ -94,7 +95,8 @@ static void set_sizes(sg_parse *p, sg_ast_matrix **slot, sg_ast_matrix *m, const
 
 %token GRAMMAR "'grammar'" LIMIT "'limit'" TIED "'tied'" WEIGHTS "'weights'" CONST "'const'" FUNCTION "'function'"
 %token IMPORT "'import'"
-%token LABEL "'label'" START "'start'" RULE "'rule'" IF "'if'" AT "'at'" NOTHING "'nothing'" MAYBE "'maybe'"
+%token LABEL "'label'" MATERIAL "'material'" START "'start'" RULE "'rule'" IF "'if'" AT "'at'" NOTHING "'nothing'"
+%token MAYBE "'maybe'"
 %token SPLIT "'split'" REPEAT "'repeat'" COMPONENTS "'components'" SIZES "'sizes'" MEAN "'mean'"
 %token COVARIANCE "'covariance'" SD "'sd'" EXAMPLES "'examples'" ARROW "'->'"
 %token OR "'or'" AND "'and'" NOT "'not'" LE "'<='" GE "'>='" EQ "'=='" NE "'!='"
@@ -139,6 +141,7 @@ statement:
   | IMPORT NAME NAME            { add_import(p, $2, $3, @2, @3); CHECK(); }
   | LABEL NAME                  { add_label(p, $2, false, 0, @2); CHECK(); }
   | LABEL NAME COLOR            { add_label(p, $2, true, $3, @2); CHECK(); }
+  | MATERIAL NAME COLOR         { add_material(p, $2, $3, @2); CHECK(); }
   | START call                  { declare_start(p, $2); CHECK(); }
   | head alternatives           { add_rule(p, $1, $2); CHECK(); }
   | head IF expr alternatives   { $1.guard = $3; add_rule(p, $1, $4); CHECK(); }
@@ -450,6 +453,17 @@ static void add_import(sg_parse *p, const char *name, const char *file, sg_pos a
     SG_AST_APPEND(p->ast->imports, p->ast->last_import, i);
 }
 
+static void add_material(sg_parse *p, const char *name, uint32_t color, sg_pos at)
+{
+    sg_ast_label *m = SG_NEW(p->arena, sg_ast_label);
+    if (m == NULL) {
+        sg_parse_fail_nomem(p);
+        return;
+    }
+    *m = (sg_ast_label){name, true, color, at, NULL};
+    SG_AST_APPEND(p->ast->materials, p->ast->last_material, m);
+}
+
 static void add_rule(sg_parse *p, sg_ast_rule head, sg_ast_alternatives alternatives)
 {
     sg_ast_rule *r = SG_NEW(p->arena, sg_ast_rule);
@@ -527,8 +541,9 @@ static const token_group groups[] = {
     {"an expression", {"a number", "a name", "'('", "'-'", "'not'", "'if'"}},
     {"a successor or operation", {"a name", "'['", "'maybe'", "'repeat'", "'components'", "'split'"}},
     {"an operator", {"'or'", "'and'", "'<'", "'<='", "'>'", "'>='", "'=='", "'!='", "'+'", "'-'", "'*'", "'/'", "'^'"}},
-    {"a statement", {"'grammar'", "'limit'", "'tied'", "'weights'", "'const'", "'function'", "'label'", "'start'", "'rule'",
-                     "'import'"}},
+    {"a statement",
+     {"'grammar'", "'limit'", "'tied'", "'weights'", "'const'", "'function'", "'label'", "'material'", "'start'", "'rule'",
+      "'import'"}},
 };
 
 enum { NGROUPS = sizeof groups / sizeof *groups, MAX_EXPECTED = 64 };

@@ -79,7 +79,8 @@ const char *sg_source_imported(const sg_source *s, sg_pos at)
     return name;
 }
 
-static sg_status fail_in_text(const sg_source *whole, sg_pos at, sg_error *err, const char *sentence)
+/* "NAME:LINE:COL: KIND: sentence", the line and the caret. */
+static void tell_in_text(const sg_source *whole, sg_pos at, const char *kind, const char *sentence, char *out, size_t size)
 {
     size_t offset = at.offset;
     const sg_source part = part_at(whole, &offset), *s = &part;
@@ -98,21 +99,33 @@ static sg_status fail_in_text(const sg_source *whole, sg_pos at, sg_error *err, 
         column += !continues(s->text[i]);
     char shown[2 * WINDOW + 8];
     show_line(s, begin, offset, shown, sizeof shown);
-    return SG_FAIL(err, SG_EINPUT, "%.250s:%zu:%zu: error: %s%s", s->name, line, column, sentence, shown);
+    snprintf(out, size, "%.250s:%zu:%zu: %s: %s%s", s->name, line, column, kind, sentence, shown);
+}
+
+static void tell(const sg_source *s, sg_pos at, const char *kind, const char *sentence, char *out, size_t size)
+{
+    if (s->text != NULL)
+        tell_in_text(s, at, kind, sentence, out, size);
+    else if (at.offset == 0)
+        snprintf(out, size, "%.250s: %s: %s", s->name, kind, sentence);
+    else
+        snprintf(out, size, "%.250s: rule %u: %s: %s", s->name, at.offset, kind, sentence);
 }
 
 sg_status sg_source_fail(const sg_source *s, sg_pos at, sg_error *err, const char *format, ...)
 {
-    char sentence[480];
+    char sentence[480], message[1024];
     va_list ap;
     va_start(ap, format);
     vsnprintf(sentence, sizeof sentence, format, ap);
     va_end(ap);
-    if (s->text != NULL)
-        return fail_in_text(s, at, err, sentence);
-    if (at.offset == 0)
-        return SG_FAIL(err, SG_EINPUT, "%.250s: error: %s", s->name, sentence);
-    return SG_FAIL(err, SG_EINPUT, "%.250s: rule %u: error: %s", s->name, at.offset, sentence);
+    tell(s, at, "error", sentence, message, sizeof message);
+    return SG_FAIL(err, SG_EINPUT, "%s", message);
+}
+
+void sg_source_warning(const sg_source *s, sg_pos at, char *message, size_t size, const char *sentence)
+{
+    tell(s, at, "warning", sentence, message, size);
 }
 
 sg_status sg_source_check(const sg_source *s, sg_error *err)

@@ -42,6 +42,9 @@ sg_status sg_source_fail(const sg_source *s, sg_pos at, sg_error *err, const cha
 /** The added file that a place lies in; NULL: none. */
 const char *sg_source_imported(const sg_source *s, sg_pos at);
 
+/** The same text with "warning" for "error" into message. */
+void sg_source_warning(const sg_source *s, sg_pos at, char *message, size_t size, const char *sentence);
+
 /** Refuse what no text file holds: invalid UTF-8 and control characters. @return SG_OK, SG_EINPUT */
 sg_status sg_source_check(const sg_source *s, sg_error *err);
 

@@ -32,7 +32,7 @@ typedef struct {
 /** Interpret a complete derivation over a width x height scope. The scene is emptied first and keeps its memory; start
  *  from a zeroed one and free with sg_label_scene_clear().
  *  @return SG_OK, SG_ENUMERIC (absolute parts are larger than the scope, parts do not fill it, an operation that is no
- *          split, a cut along z, an open node, an empty body; the sentence names the symbol), SG_ENOMEM */
+ *          split, a cut along z, an open node, an empty body; the sentence tells file, line and derivation path), SG_ENOMEM */
 sg_status sg_label_scene_interpret(sg_label_scene *scene, const sg_derivation *d, double width, double height,
                                    sg_error *err);
 void sg_label_scene_clear(sg_label_scene *scene);

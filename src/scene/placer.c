@@ -60,11 +60,8 @@ sg_status sg_placer_insert(sg_placer *p, size_t at, sg_place place, sg_error *er
 
 static sg_status fail(body *b, const char *what)
 {
-    const char *name = sg_grammar_symbol(b->d->grammar, b->n->symbol)->name;
-    const unsigned line = b->r != NULL ? b->r->line : 0;
-    if (line > 0)
-        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", name, line, what);
-    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", name, what);
+    SG_FAIL(b->err, SG_ENUMERIC, "%s", what);
+    return b->d->nnodes > 0 ? sg_derivation_fail_at(b->d, b->node, SG_ENUMERIC, b->err) : SG_ENUMERIC;
 }
 
 static sg_status add_place(body *b, sg_rect rect, size_t node, sg_sym label)
@@ -182,7 +179,9 @@ static sg_status place_repeat(body *b, size_t at, sg_rect rect, bool outermost)
         return fail(b, "a repeat along z is no label scene");
     const size_t mark = b->p->nstarts;
     size_t times = 0;
-    SG_TRY(sg_op_repeat_count(b->d->grammar, op, b->frame, b->n->depth, &times, b->err));
+    const sg_status st = sg_op_repeat_count(b->d->grammar, op, b->frame, b->n->depth, &times, b->err);
+    if (st != SG_OK)
+        return sg_derivation_fail_at(b->d, b->node, st, b->err);
     if (times == 0)
         return fail(b, "a repeat of nothing leaves its scope empty");
     const bool nested = b->in_repeat;

@@ -143,5 +143,6 @@ uint32_t sg_scene_material(const sg_grammar *g, const sg_primitive *p, const cha
     if (p->material < SG_SHAPE_STRING_ARG)
         return p->material;
     *name = sg_grammar_string(g, p->material - SG_SHAPE_STRING_ARG);
-    return of_label;
+    const uint32_t declared = sg_grammar_material_color(g, p->material - SG_SHAPE_STRING_ARG);
+    return declared != SG_NONE ? declared : of_label;
 }

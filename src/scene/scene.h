@@ -107,7 +107,7 @@ sg_scene_state sg_scene_first_state(const sg_scene_opts *opts);
  *  sg_scene_clear(). It takes no recursion over the tree, whatever its depth.
  *  @return SG_OK, SG_EINVAL (no node), SG_ENUMERIC (a size, length or angle is not finite, a part's size is negative, a
  *  roof of 90 degrees or more, more than max_places, children that do not fit a rule, a polygon whose sides cross or that
- *  has no such roof; the sentence begins with the path of symbols), SG_ENOMEM; on failure the scene is empty */
+ *  has no such roof; the sentence tells file, line and derivation path), SG_ENOMEM; on failure the scene is empty */
 sg_status sg_scene_interpret(const sg_derivation *d, const sg_scene_opts *opts, sg_scene *scene, sg_error *err);
 
 /** Interpret the subtree of `node` from the state that it inherits, appending to the scene. The slices of the places of
@@ -122,8 +122,9 @@ sg_status sg_scene_interpret_slice(const sg_derivation *d, size_t node, const sg
 void sg_scene_clear(sg_scene *scene);
 void sg_scene_states_clear(sg_scene_states *states);
 
-/** A primitive's material: its colour 0xRRGGBB and, when it was set by name, that name (else NULL). Where no colour was
- *  set the label's is taken, and a light grey where there is no label. */
+/** A primitive's material: its colour 0xRRGGBB and, when it was set by name, that name (else NULL). The colour of a
+ *  name is the one that it was declared with. Where there is none the label's is taken, and a light grey where there is
+ *  no label. */
 uint32_t sg_scene_material(const sg_grammar *g, const sg_primitive *p, const char **name);
 
 #endif

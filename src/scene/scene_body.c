@@ -12,13 +12,8 @@ static sg_status read_block(sg_scene_body *b, size_t first, size_t end, sg_scene
 
 sg_status sg_scene_fail(sg_scene_body *b, const char *what)
 {
-    char path[480];
-    if (b->err == NULL)
-        return SG_ENUMERIC;
-    sg_derivation_path(b->d, b->node, path, sizeof path);
-    if (b->r != NULL && b->r->line > 0)
-        return SG_FAIL(b->err, SG_ENUMERIC, "%s (rule in line %u): %s", path, (unsigned)b->r->line, what);
-    return SG_FAIL(b->err, SG_ENUMERIC, "%s: %s", path, what);
+    SG_FAIL(b->err, SG_ENUMERIC, "%s", what);
+    return sg_derivation_fail_at(b->d, b->node, SG_ENUMERIC, b->err);
 }
 
 sg_status sg_scene_count(sg_scene_body *b)
@@ -113,7 +108,9 @@ static sg_status read_repeat(sg_scene_body *b, size_t at, const sg_scene_state *
     const bool nested = b->in_repeat;
     size_t times = 0;
     SG_TRY(check_axis(b, op->axis, s));
-    SG_TRY(sg_op_repeat_count(b->d->grammar, op, b->frame, b->d->nodes[b->node].depth, &times, b->err));
+    const sg_status st = sg_op_repeat_count(b->d->grammar, op, b->frame, b->d->nodes[b->node].depth, &times, b->err);
+    if (st != SG_OK)
+        return sg_derivation_fail_at(b->d, b->node, st, b->err);
     b->in_repeat = true;
     for (size_t t = 0; t < times; t++) {
         const double from = sg_placer_share((double)t / (double)times);

@@ -91,7 +91,7 @@ sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primi
 /** The corners of a rectangle from the origin. */
 void sg_scene_set_rectangle(sg_primitive *p, double width, double height);
 
-/** SG_ENUMERIC, with the path of symbols to the body and its line before the sentence. */
+/** SG_ENUMERIC, with file, line and derivation path of the body before the sentence. */
 sg_status sg_scene_fail(sg_scene_body *b, const char *what);
 
 #endif

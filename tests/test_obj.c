@@ -115,6 +115,12 @@ START_TEST(faults_are_told_with_their_places)
     ck_assert_int_eq(sg_obj_parse(long_face, strlen(long_face), "x.obj", &obj, &err), SG_EINPUT);
     ck_assert(strstr(err.msg, "more than 256 corners") != NULL);
     free(long_face);
+    char *many = malloc(4097 * 16 + 1), *end = many;
+    for (int i = 0; i < 4097; i++)
+        end += sprintf(end, "usemtl %d\n", i);
+    ck_assert_int_eq(sg_obj_parse(many, strlen(many), "x.obj", &obj, &err), SG_EINPUT);
+    ck_assert_msg(strstr(err.msg, "x.obj:4097:8: error: more than 4096 materials") == err.msg, "%s", err.msg);
+    free(many);
 }
 END_TEST
 

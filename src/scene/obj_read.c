@@ -162,8 +162,12 @@ static sg_status read_face(reader *r)
 static sg_status read_material(reader *r)
 {
     const char *name;
-    SG_TRY(sg_obj_name(&r->t, sg_obj_rest(&r->t), r->obj, &name));
-    return sg_obj_material_find(r->obj, name, true, &r->material, r->t.err);
+    const sg_obj_word w = sg_obj_rest(&r->t);
+    SG_TRY(sg_obj_name(&r->t, w, r->obj, &name));
+    SG_TRY(sg_obj_material_find(r->obj, name, true, &r->material, r->t.err));
+    if (r->obj->nmaterials > SG_OBJ_MAX_MATERIALS)
+        return sg_obj_fail(&r->t, w.at, "more than %d materials", SG_OBJ_MAX_MATERIALS);
+    return SG_OK;
 }
 
 static sg_status read_library(reader *r)

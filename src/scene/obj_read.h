@@ -11,8 +11,8 @@
 #include "grammar/names.h"
 #include "scene/mesh.h"
 
-/** The most bytes a file, and corners a face, may have. */
-enum { SG_OBJ_MAX_BYTES = 32 << 20, SG_OBJ_MAX_CORNERS = 256 };
+/** The most bytes and materials a file, and corners a face, may have. */
+enum { SG_OBJ_MAX_BYTES = 32 << 20, SG_OBJ_MAX_MATERIALS = 4096, SG_OBJ_MAX_CORNERS = 256 };
 
 typedef struct {
     const char *name;

@@ -155,6 +155,22 @@ START_TEST(hip_roofs_have_their_volumes)
 }
 END_TEST
 
+/* A gable end of a roof 2 wide holds 2^3 / 24 more than a hip end. */
+START_TEST(gable_roofs_have_their_volumes)
+{
+    const double l = 2 * 2 * (3 * 6 - 2) / 12.0 + 2 * 2 * (3 * 5 - 2) / 12.0 - 4 / 3.0;
+    check_volume("size(6, 0, 5) " L_SHAPE " gable_roof(45)", l + 2 * 8 / 24.0, 1);
+    check_volume("size(6, 0, 5) " L_SHAPE " gable_roof(30)", (l + 2 * 8 / 24.0) * tan(30 * 0.017453292519943295), 1);
+    check_volume("size(6, 0, 4) polygon(0, 0, 1, 0, 1, 1, 0, 1) gable_roof(45)", 4 * 2 / 2.0 * 6, 1);
+    check_volume("size(4, 0, 6) polygon(0, 0, 1, 0, 1, 1, 0, 1) gable_roof(45, 1)", 6 * 3 / 2.0 * 8, 1);
+    check_volume("size(4, 0, 4) polygon(0, 0, 1, 0, 1, 1, 0, 1) gable_roof(45)", 4.0 * 4 * 2 / 3, 1); /* a pyramid */
+    check_volume(
+        "size(6, 0, 6) polygon(1/3, 0, 2/3, 0, 2/3, 1/3, 1, 1/3, 1, 2/3, 2/3, 2/3, 2/3, 1, 1/3, 1, 1/3, 2/3, 0, 2/3, "
+        "0, 1/3, 1/3, 1/3) gable_roof(45)",
+        2 * (2 * 1 / 2.0 * 6) - 4 / 3.0, 1); /* a cross: two that share a pyramid */
+}
+END_TEST
+
 /* Polygons of four corners have the roofs that boxes have. */
 START_TEST(a_rectangle_is_a_polygon_too)
 {
@@ -191,7 +207,6 @@ START_TEST(what_cannot_be_is_told_with_its_rule)
     check_fails("polygon(0, 0, 1, 0, 1, 1, 0.5, 0, 0, 1)", "cross or touch"); /* a corner on a side */
     check_fails("size(6, 0, 5) " L_SHAPE " extrude(3) split x { t | t }", "cut along z alone");
     check_fails("size(6, 0, 5) " L_SHAPE " extrude(3) repeat y 2 { t }", "cut along z alone");
-    check_fails("size(6, 0, 5) " L_SHAPE " gable_roof(30)", "rectangles alone");
     test_scene f =
         test_open_scene("start S\nrule S -> A\nrule A -> B\n\nrule B -> polygon(0, 0, 1, 1, 1, 0, 0, 1)\n", 1);
     sg_error err = SG_ERROR_INIT;
@@ -233,7 +248,7 @@ START_TEST(random_polygons_have_sound_meshes)
             snprintf(body + strlen(body), 100, "%s%.4f, %.4f", i > 0 ? ", " : "", 0.5 + r * cos(a), 0.5 + r * sin(a));
         }
         strcat(body, ") extrude(4) split z { 1 : A | 2 : A | ~1 : A }\n"
-                     "rule A -> [ components { side : Wall | bottom : t } ] hip_roof(40) B\nrule B -> flat_roof(0.1)\n"
+                     "rule A -> [ components { side : Wall | bottom : t } ] hip_roof(40) B\nrule B -> gable_roof(50)\n"
                      "rule Wall -> split x { w | ~2 : extrude(0.1) | w }\n");
         test_scene f = test_scene_of(program(body));
         sg_mesh m = mesh_of(&f.scene);
@@ -268,6 +283,7 @@ static Suite *polygon_suite(void)
     tcase_add_test(all, components_are_the_faces);
     tcase_add_test(all, faces_stand_where_they_should);
     tcase_add_test(all, hip_roofs_have_their_volumes);
+    tcase_add_test(all, gable_roofs_have_their_volumes);
     tcase_add_test(all, a_rectangle_is_a_polygon_too);
     tcase_add_test(all, what_cannot_be_is_told_with_its_rule);
     tcase_add_test(all, corners_come_in_pairs);

@@ -110,6 +110,8 @@ static bool put_polygon_hip(const sg_primitive *p, solid *s)
     sg_skeleton k;
     if (!sg_skeleton_find((const double(*)[2])p->corner, p->ncorners, &k))
         return false;
+    if (p->radius[1] > 0)
+        sg_skeleton_raise_gables((const double(*)[2])p->corner, p->ncorners, &k);
     for (size_t i = 0; i < k.nnodes; i++)
         put_point(s, k.node[i][0], k.node[i][1], k.node[i][2] * p->radius[0]);
     put_range(s, 0, p->ncorners, true);

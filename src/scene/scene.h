@@ -30,7 +30,7 @@ typedef enum {
     SG_PRIMITIVE_HIP, /* hip roof over size[0] by size[2] with size[2] >= size[0], size[1] high: the ridge runs along z,
                          size[0] / 2 from both ends; a pyramid when it has no length. With corners: over the polygon
                          corner[] in x and y, which has a straight skeleton (skeleton.h); it rises along z, radius[0] for
-                         each unit of distance from an edge, to size[2] */
+                         each unit of distance from an edge, to size[2]; with radius[1] its ends are gables */
     SG_PRIMITIVE_POLYGON, /* corner[], at z = 0, looks along z */
     SG_PRIMITIVE_LABEL,   /* a label's rectangle, size[0] by size[1], at z = 0, looks along z */
     SG_PRIMITIVE_MESH,    /* the mesh named `mesh`, scaled to fill size */

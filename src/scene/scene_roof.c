@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene_roof.c - the faces of a scope, and the roofs that stand on one.
  * Source: roofs and component splits as in Mueller, Wonka, Haegler, Ulmer and Van Gool, "Procedural modeling of
- * buildings" (2006), section 3. Gables stand over rectangles only. */
+ * buildings" (2006), section 3. */
 #include "scene/scene_priv.h"
 
 #include "grammar/shape_ops.h"
@@ -79,8 +79,6 @@ static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slop
 {
     const double pi = 3.14159265358979323846;
     sg_skeleton skeleton;
-    if (op->shape == SG_SHAPE_GABLE_ROOF)
-        return sg_scene_fail(b, "a gable roof over a polygon: it stands over rectangles alone");
     if (slope >= 90)
         return sg_scene_fail(b, "a roof of 90 degrees or more");
     if (overhang != 0 && !sg_scene_widen_polygon(face, overhang))
@@ -90,7 +88,9 @@ static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slop
     sg_primitive p = sg_scene_primitive(b, face, SG_PRIMITIVE_HIP);
     sg_scene_set_corners(&p, face);
     if (!sg_skeleton_find((const double(*)[2])p.corner, p.ncorners, &skeleton))
-        return sg_scene_fail(b, "a hip roof over a polygon that has no straight skeleton");
+        return sg_scene_fail(b, "a roof over a polygon that has no straight skeleton");
+    if (op->shape == SG_SHAPE_GABLE_ROOF && sg_skeleton_raise_gables((const double(*)[2])p.corner, p.ncorners, &skeleton) > 0)
+        p.radius[1] = 1;
     p.radius[0] = tan(slope * pi / 180);
     p.size[2] = skeleton.height * p.radius[0];
     return sg_scene_add(b, &p);

@@ -28,4 +28,10 @@ typedef struct {
  *  @return false when they do not: the polygon is not simple, or too many events fall together */
 bool sg_skeleton_find(const double (*p)[2], size_t n, sg_skeleton *s);
 
+/** Hip ends become gables: the point of each triangular face goes out along its ridge until it stands over its edge, where
+ *  it does so between the ends of the edge. The face then stands upright; those beside it stay in their planes.
+ *  @param p  the polygon of the skeleton
+ *  @return how many there are: a pyramid, say, has none */
+size_t sg_skeleton_raise_gables(const double (*p)[2], size_t n, sg_skeleton *s);
+
 #endif

@@ -75,7 +75,8 @@ static sg_status add_flat(sg_scene_body *b, const sg_scene_state *face, double h
 }
 
 /* Its skeleton is found here, so that what has none is told with its rule, and again where it becomes a mesh. */
-static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slope, double overhang, sg_scene_state *face)
+static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slope, double overhang,
+                                  sg_scene_state *face)
 {
     const double pi = 3.14159265358979323846;
     sg_skeleton skeleton;
@@ -89,7 +90,8 @@ static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slop
     sg_scene_set_corners(&p, face);
     if (!sg_skeleton_find((const double(*)[2])p.corner, p.ncorners, &skeleton))
         return sg_scene_fail(b, "a roof over a polygon that has no straight skeleton");
-    if (op->shape == SG_SHAPE_GABLE_ROOF && sg_skeleton_raise_gables((const double(*)[2])p.corner, p.ncorners, &skeleton) > 0)
+    if (op->shape == SG_SHAPE_GABLE_ROOF &&
+        sg_skeleton_raise_gables((const double(*)[2])p.corner, p.ncorners, &skeleton) > 0)
         p.radius[1] = 1;
     p.radius[0] = tan(slope * pi / 180);
     p.size[2] = skeleton.height * p.radius[0];

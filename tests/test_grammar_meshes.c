@@ -13,7 +13,7 @@
 #include <glob.h>
 #include <string.h>
 
-enum { SEEDS = 3, MAX_TRIES = 30, MAX_NODES = 20000, MAX_PLACES = 100000, DETAILS = 3 };
+enum { SEEDS = 3, MAX_TRIES = 30, MAX_NODES = 20000, MAX_PLACES = 100000, DETAILS = 3, LARGE = 2000 };
 
 static glob_t grammars;
 
@@ -54,11 +54,13 @@ static void check_levels(model *m, uint64_t seed)
         ck_assert_msg(wrong == NULL, "%s, seed %d, detail %u: %s", m->path, (int)seed, opts.detail, wrong);
         ck_assert_uint_le(m->mesh.nfaces, last);
         last = m->mesh.nfaces;
-        check_gltf(m, seed);
+        if (opts.detail == 0 || m->scene.n < LARGE)
+            check_gltf(m, seed);
     }
 }
 
-/* @return false: this derivation is too large for a test */
+/* A large model is looked at in one scope, and no other of its grammar then.
+ * @return false: this derivation is too large for a test */
 static bool try_seed(model *m, uint64_t seed)
 {
     static const double scopes[][3] = {{1, 1, 1}, {20, 15, 0}, {12, 0, 30}};
@@ -66,7 +68,8 @@ static bool try_seed(model *m, uint64_t seed)
     sg_random_stream(m->rng, seed, 0, 0);
     if (sg_derivation_sample(&m->d, m->rng, MAX_NODES, &err) != SG_OK)
         return false;
-    for (size_t i = 0; i < sizeof scopes / sizeof *scopes; i++) {
+    m->scene.n = 0;
+    for (size_t i = 0; i < sizeof scopes / sizeof *scopes && m->scene.n < LARGE; i++) {
         sg_scene_opts opts = SG_SCENE_OPTS_INIT;
         memcpy(opts.size, scopes[i], sizeof opts.size);
         opts.max_places = MAX_PLACES;
@@ -85,9 +88,9 @@ START_TEST(grammars_have_sound_meshes)
     ck_ok(sg_grammar_load(m.path, &m.g, &err));
     ck_ok(sg_assets_load(m.g, m.path, &m.assets, &err));
     sg_derivation_init(&m.d, m.g);
-    for (uint64_t seed = 1; seed <= MAX_TRIES && done < SEEDS; seed++)
+    for (uint64_t seed = 1; seed <= MAX_TRIES && done < SEEDS && !(done > 0 && m.scene.n >= LARGE); seed++)
         done += try_seed(&m, seed);
-    ck_assert_msg(done == SEEDS, "%s: only %d models are small enough", m.path, done);
+    ck_assert_msg(done == SEEDS || (done > 0 && m.scene.n >= LARGE), "%s: only %d models are small enough", m.path, done);
     sg_mesh_clear(&m.mesh);
     sg_scene_clear(&m.scene);
     sg_derivation_clear(&m.d);

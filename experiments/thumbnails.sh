@@ -23,8 +23,8 @@ choices() {
 acacia 2 25,10
 airplane 5 35,18
 branching 2 0,3
-building 8 35,14
-city 1 35,26
+building 11 35,14
+city 8 35,26
 conifer 1 25,10
 fern 2 25,25
 furniture 4 35,18

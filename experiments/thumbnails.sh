@@ -6,6 +6,7 @@
 # usage: thumbnails.sh             makes what pictures are missing, and the gallery
 #        thumbnails.sh NAME...     makes the pictures of these grammars anew, and the gallery
 #        thumbnails.sh --gallery   prints the gallery
+# pngquant, where it is installed, makes the pictures less than half as large, as those that are kept are.
 # SG_BUILD_DIR: where the programs are (build); SG_SAMPLES: how many samples' sizes the gallery has (9)
 set -eu
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -19,13 +20,30 @@ work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
 # listed. Grammars of labels have no view.
 choices() {
     cat <<'END'
-building 8 35,14
-city 1 35,26
+acacia 2 25,10
+airplane 5 35,18
+branching 2 0,3
+building 11 35,14
+city 8 35,26
+conifer 1 25,10
+fern 2 25,25
+furniture 4 35,18
 ga-city 4 35,28
 ga-tree 10 20,10
+lilac 2 25,10
+low-rise 6 35,18
 mondrian 7
+old-oak 4 25,10
+poplar 2 25,10
+skyscraper 6 35,18
 spaceship 2 35,26
 street 1 -40,16
+sunflower 2 25,10
+three-rules 1 0,3
+toy 3 35,18
+weber-penn 2 25,10
+willow 4 25,10
+young-oak 3 25,10
 END
 }
 choice() { # NAME
@@ -40,6 +58,7 @@ picture() { # NAME
     rm -f "$work"/thumbnail*
     "$sample" "$grammars/$1.sg" "${options[@]}" --formats rgb 2>/dev/null ||
         "$sample" "$grammars/$1.sg" "${options[@]}" --formats render --view="${view:-35,18}"
+    if command -v pngquant >/dev/null; then pngquant --force --ext .png 256 "$work"/thumbnail*.png; fi
     mv "$work"/thumbnail*.png "$pictures/$1.png"
     echo "docs/pictures/grammars/$1.png"
 }

@@ -26,7 +26,7 @@ done
 while read -r name; do
     expect 0 "$SG_BUILD_DIR/tests/check_png" "$pictures/$name.png"
     says out '^240x240 '
-    [ "$(wc -c <"$pictures/$name.png")" -lt 80000 ] || fail "$name.png is large for a thumbnail"
+    [ "$(wc -c <"$pictures/$name.png")" -lt 40960 ] || fail "$name.png is over 40 KB: was it made without pngquant?"
 done <names
 
 # What it says is what the script makes of the grammars of today: each of them can be sampled, too.

@@ -19,13 +19,24 @@ work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
 # listed. Grammars of labels have no view.
 choices() {
     cat <<'END'
+acacia 2 30,4
+branching 2 0,8
 building 8 35,14
 city 1 35,26
+conifer 2 30,8
+fern 4 20,22
 ga-city 4 35,28
 ga-tree 10 20,10
+lilac 2 15,12
 mondrian 7
+old-oak 24 30,6
+poplar 2 30,6
 spaceship 2 35,26
 street 1 -40,16
+sunflower 1 10,8
+three-rules 5 0,6
+willow 22 20,2
+young-oak 1 30,6
 END
 }
 choice() { # NAME

@@ -20,30 +20,30 @@ work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
 # listed. Grammars of labels have no view.
 choices() {
     cat <<'END'
-acacia 2 25,10
+acacia 2 30,4
 airplane 5 35,18
-branching 2 0,3
+branching 2 0,8
 building 11 35,14
 city 8 35,26
-conifer 1 25,10
-fern 2 25,25
+conifer 2 30,8
+fern 4 20,22
 furniture 4 35,18
 ga-city 4 35,28
 ga-tree 10 20,10
-lilac 2 25,10
+lilac 2 15,12
 low-rise 6 35,18
 mondrian 7
-old-oak 4 25,10
-poplar 2 25,10
+old-oak 24 30,6
+poplar 2 30,6
 skyscraper 6 35,18
 spaceship 2 35,26
 street 1 -40,16
-sunflower 2 25,10
-three-rules 1 0,3
+sunflower 1 10,8
+three-rules 5 0,6
 toy 3 35,18
 weber-penn 2 25,10
-willow 4 25,10
-young-oak 3 25,10
+willow 22 20,2
+young-oak 1 30,6
 END
 }
 choice() { # NAME

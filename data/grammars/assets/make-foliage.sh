@@ -58,6 +58,6 @@ spray() {
 
 spray oak-spray     14 0.15 0.95 35 85 0.42 0.27 0.06 1    "7fb34a 6ea03f a3c65c"
 spray acacia-spray  14 0.10 0.95 30 100 0.55 0.20 0.04 0.6 "98b858 86a84e b3c76a"
-spray willow-spray  10 0.00 0.75 25 65 0.60 0.13 0.03 1    "a2c05a 91b350 b9cf6c"
+spray willow-spray   6 0.00 0.75 20 50 0.90 0.20 0.05 1    "a2c05a 91b350 b9cf6c"
 spray poplar-spray  12 0.15 0.95 40 90 0.40 0.32 0.05 1    "90c058 7fb04c b0d26e"
 spray spruce-spray  26 0.00 0.85 35 60 0.34 0.07 0.00 0.6  "6aa266 5a9058 8abb74"

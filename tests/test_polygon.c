@@ -177,7 +177,7 @@ static void check_fails(const char *body, const char *sentence)
     sg_error err = SG_ERROR_INIT;
     test_scene f = test_open_scene(program(body), 1);
     ck_assert_int_eq(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err), SG_ENUMERIC);
-    ck_assert_msg(strstr(err.msg, "S (rule in line 5): ") == err.msg && strstr(err.msg, sentence) != NULL, "%s",
+    ck_assert_msg(strstr(err.msg, "test.sg:5: error: deriving S: ") == err.msg && strstr(err.msg, sentence) != NULL, "%s",
                   err.msg);
     ck_assert_uint_eq(f.scene.n, 0);
     test_close_scene(&f);
@@ -196,7 +196,7 @@ START_TEST(what_cannot_be_is_told_with_its_rule)
         test_open_scene("start S\nrule S -> A\nrule A -> B\n\nrule B -> polygon(0, 0, 1, 1, 1, 0, 0, 1)\n", 1);
     sg_error err = SG_ERROR_INIT;
     ck_assert_int_eq(sg_scene_interpret(&f.d, &f.opts, &f.scene, &err), SG_ENUMERIC);
-    ck_assert_msg(strstr(err.msg, "S > A > B (rule in line 5): ") == err.msg, "%s", err.msg);
+    ck_assert_msg(strstr(err.msg, "test.sg:5: error: deriving S > A > B: ") == err.msg, "%s", err.msg);
     test_close_scene(&f);
     check_fails("size(6, 0, 5) " L_SHAPE " hip_roof(90)", "90 degrees");
     check_fails("size(6, 0, 5) " L_SHAPE " hip_roof(45, -1.1)", "overhang is too large");

@@ -271,12 +271,12 @@ expect 0 parse-facade g.sg -u f.rf other/*.rgb.png -o other.out $quick
 expect 1 parse-facade tall.sg -u f.rf set/images/f-0005.png set/images/f-0006.png -o y $quick
 says err 'f-0005: '
 says err '2 of 2 photographs were not parsed'
-says err 'S (rule in line [0-9]*): the parts of a split are larger than its scope'
+says err '.sg:[0-9]*: error: deriving S: the parts of a split are larger than its scope'
 expect 3 parse-facade tall.sg -u f.rf set/images/f-0005.png -o y --method exact
 # one that makes no label scene at all
 printf 'start A\nrule A -> draw(1)\n' >walk.sg
 expect 1 parse-facade walk.sg -u f.rf set/images/f-0005.png -o y
-says err 'A (rule in line 2): .* no place in a label scene'
+says err '.sg:2: error: deriving .*A: .* no place in a label scene'
 
 # ---- usage ----
 image=set/images/f-0005.png

@@ -60,7 +60,7 @@ refused 2 Trunk.g=1 "--given 'Trunk.g=1': Trunk has no draw 'g' of 1 value; its 
 refused 2 Tree.f=1 'the symbols are: Trunk, Leaf, maybe(0.6) Leaf'
 refused 2 Trunk.f 'is missing'
 refused 2 Trunk=3 'Trunk has 2 rules, not 3'
-refused 1 Trunk.f=0.4 'sample 1: deriving Trunk: given Trunk.f=0.4: 0.4 is outside of the support of this uniform: from 0.5 to 0.9'
+refused 1 Trunk.f=0.4 'sample 1: plant.sg:5: error: deriving Trunk(4): given Trunk.f=0.4: 0.4 is outside of the support of this uniform: from 0.5 to 0.9'
 expect 1 "$sample" plant.sg --given 'Trunk=2' --given 'Trunk.k=3' --stats
 says err '3 is outside of the support of this discrete: 2, 5'
 expect 2 "$sample" plant.sg --from g/plant-0001.sgd --given Trunk=1 -o f

@@ -215,6 +215,21 @@ static const struct {
      "start S\nrule S -> gable_roof(89)"},
 };
 
+/* A constant with a name may be a switch: what it takes out of use is no mistake. */
+static const char *const switches[] = {
+    "const lobes = 0\nstart X(1)\nrule X(j) if j > 0 and lobes > 0 -> Y\nrule X(j) if not (j > 0 and lobes > 0) -> nothing\nrule Y -> nothing",
+    "const lobes = 0\nstart X\nrule X if lobes > 0 -> Y\nrule X if lobes == 0 -> nothing\nrule Y -> nothing",
+    "const lobes = 0\nfunction many(x) = x > lobes + 3\nstart X(1)\nrule X(j) if many(j) -> Y\nrule X(j) if not many(j) -> nothing\n"
+    "rule Y -> Z\nrule Z -> nothing",
+    "weights\nconst lobes = 0\nstart X\nrule X -> lobes : Y -> 1 : nothing\nrule Y -> nothing",
+};
+
+START_TEST(switches_are_no_mistakes)
+{
+    check_silence(switches[_i]);
+}
+END_TEST
+
 START_TEST(what_can_fail_is_a_warning)
 {
     sg_error err;
@@ -357,6 +372,7 @@ int main(void)
     tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, what_always_fails_is_an_error, 0, COUNT(certain));
     tcase_add_loop_test(tc, what_can_fail_is_a_warning, 0, COUNT(possible));
+    tcase_add_loop_test(tc, switches_are_no_mistakes, 0, COUNT(switches));
     tcase_add_test(tc, warnings_are_not_without_end);
     tcase_add_test(tc, a_place_is_warned_of_once);
     tcase_add_test(tc, our_own_grammars_are_flawless);

@@ -184,7 +184,7 @@ START_TEST(rules_are_chosen)
     close_fixture(&f);
     f = open_fixture(branching, PINS("S=3"), 1);
     ck_assert_int_eq(sg_derivation_sample_given(&f.d, f.run, f.rng, 1000, &err), SG_ENUMERIC);
-    ck_assert_ptr_nonnull(strstr(err.msg, "deriving S: given S=3: this rule has probability 0 here"));
+    ck_assert_ptr_nonnull(strstr(err.msg, "): given S=3: this rule has probability 0 here"));
     ck_assert_uint_eq(f.d.nnodes, 0);
     close_fixture(&f);
     f = open_fixture(branching, PINS("S=1"), 2); /* down to the limit, where nothing is chosen; where a < 3 no more it fails */
@@ -283,7 +283,7 @@ START_TEST(bad_pins_are_refused)
         {"A.n=1x", "something follows"},
         {"S > (1 more).n=1", "ends with no symbol"},
         {"S.u=5.5", "deriving S: given S.u=5.5: 5.5 is outside of the support of this uniform: from 2 to 5"},
-        {"A.t=-1.01", "deriving S > A: given A.t=-1.01: -1.01 is outside of the support of this truncated_normal: from -1 to 3"},
+        {"A.t=-1.01", "): given A.t=-1.01: -1.01 is outside of the support of this truncated_normal: from -1 to 3"},
         {"B.k=3", "3 is outside of the support of this discrete: 1, 2, 1, 7"},
         {"B.3=0.5,0.5,0.5", "no 3 sizes greater than 0 that sum to 1"},
         {"B.3=1,0,0", "no 3 sizes greater than 0 that sum to 1"},

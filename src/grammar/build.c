@@ -393,6 +393,7 @@ static void clear(sg_builder *b)
     free(b->rules);
     free(b->codes);
     free(b->code_at);
+    free(b->code_tuned);
     free(b->instructions);
     free(b->constants);
     free(b->strings);

@@ -16,6 +16,7 @@ typedef struct {
     sg_instruction *code;
     size_t n, capacity;
     sg_pos at;
+    bool tuned; /* a constant with a name was met */
     unsigned depth, steps; /* bounds of what nested and repeated calls of functions can ask for */
 } assembler;
 
@@ -136,6 +137,7 @@ static sg_status compile_name(assembler *as, const sg_scope *scope, const sg_ast
     const uint32_t constant = sg_names_get(&b->constant_names, e->name);
     if (constant != UINT32_MAX) {
         *out = SG_OPERAND(SG_IN_CONSTANTS, constant);
+        as->tuned = true;
         return SG_OK;
     }
     if (strcmp(e->name, "pi") == 0)
@@ -228,12 +230,14 @@ static sg_status add_code(sg_builder *b, const sg_instruction *code, size_t n, s
 {
     if (!SG_GROW(b->codes, b->codes_capacity, b->ncodes + 1) ||
         !SG_GROW(b->code_at, b->code_at_capacity, b->ncodes + 1) ||
+        !SG_GROW(b->code_tuned, b->code_tuned_capacity, b->ncodes + 1) ||
         !SG_GROW(b->instructions, b->instructions_capacity, b->ninstructions + n))
         return sg_build_fail_nomem(b);
     if (n > 0)
         memcpy(b->instructions + b->ninstructions, code, n * sizeof *code);
     *out = (sg_expr)b->ncodes;
     b->code_at[b->ncodes] = at;
+    b->code_tuned[b->ncodes] = false;
     b->codes[b->ncodes++] = (sg_code){(uint32_t)b->ninstructions, (uint32_t)n, result};
     b->ninstructions += n;
     return SG_OK;
@@ -241,7 +245,7 @@ static sg_status add_code(sg_builder *b, const sg_instruction *code, size_t n, s
 
 sg_status sg_build_expr(sg_builder *b, const sg_scope *scope, const sg_ast_expr *e, sg_expr *out)
 {
-    assembler as = {b, NULL, 0, 0, e->at, 0, 0};
+    assembler as = {b, NULL, 0, 0, e->at, false, 0, 0};
     sg_operand result = 0;
     sg_status st = compile(&as, scope, e, 0, &result);
     if (st == SG_OK && SG_OPERAND_SPACE(result) == SG_IN_CONSTANTS &&
@@ -250,6 +254,8 @@ sg_status sg_build_expr(sg_builder *b, const sg_scope *scope, const sg_ast_expr 
                             b->constants[SG_OPERAND_INDEX(result)]);
     if (st == SG_OK)
         st = add_code(b, as.code, as.n, result, e->at, out);
+    if (st == SG_OK)
+        b->code_tuned[*out] = as.tuned;
     free(as.code);
     return st;
 }

@@ -34,7 +34,8 @@ typedef struct {
     sg_code *codes;
     size_t ncodes, codes_capacity;
     sg_pos *code_at; /* where each expression stands, for the same */
-    size_t code_at_capacity;
+    bool *code_tuned; /* whether a constant with a name is in it: such a one may be a switch */
+    size_t code_at_capacity, code_tuned_capacity;
     sg_instruction *instructions;
     size_t ninstructions, instructions_capacity;
     double *constants;

@@ -86,7 +86,7 @@ static sg_status check_guards(sg_ranges *w, sg_sym s)
     bool any = false;
     for (sg_rule_id r = symbol->first_rule; r < symbol->first_rule + symbol->nrules; r++) {
         const sg_expr guard = w->g->rules[r].guard;
-        if (guard != SG_NONE && is_contradiction(w, s, guard))
+        if (guard != SG_NONE && !w->b->code_tuned[guard] && is_contradiction(w, s, guard))
             return FAIL(w, at_of(w, guard, NULL), "this guard can never hold");
         any |= sg_ranges_enter(w, s, r);
     }
@@ -97,7 +97,7 @@ static sg_status check_guards(sg_ranges *w, sg_sym s)
         return FAIL(w, w->b->symbol_at[s], "no guard of '%.60s' ever holds%s", symbol->name, why);
     }
     for (sg_rule_id r = symbol->first_rule; r < symbol->first_rule + symbol->nrules; r++) {
-        if (sg_ranges_enter(w, s, r))
+        if (sg_ranges_enter(w, s, r) || w->b->code_tuned[w->g->rules[r].guard])
             continue;
         say_why(w, s, w->g->rules[r].guard, why, sizeof why);
         SG_TRY(sg_build_warn(w->b, at_of(w, w->g->rules[r].guard, NULL), "this guard never holds%s", why));
@@ -230,6 +230,8 @@ static sg_status check_symbol(sg_ranges *w, sg_sym s)
     const sg_symbol *symbol = &w->g->symbols[s];
     if (symbol->kind == SG_SYMBOL_LABEL || symbol->hidden) /* `maybe` is looked at where it stands */
         return SG_OK;
+    if (!w->ranges[s].reached && w->switched)
+        return SG_OK;
     if (!w->ranges[s].reached)
         return sg_build_warn(w->b, w->b->symbol_at[s], "nothing that can be used leads to '%.60s'", symbol->name);
     SG_TRY(check_guards(w, s));
@@ -256,8 +258,26 @@ static sg_status check_endings(sg_ranges *w)
     return st;
 }
 
+static bool is_tuned(const sg_ranges *w, sg_expr e)
+{
+    return e != SG_NONE && w->b->code_tuned[e];
+}
+
+/* Is a rule out of use because of what constants are? A grammar may have switches. */
+static bool has_switch(sg_ranges *w)
+{
+    for (size_t r = 0; r < w->g->nrules; r++) {
+        const sg_rule *rule = &w->g->rules[r];
+        if ((is_tuned(w, rule->guard) || is_tuned(w, rule->weight)) && w->ranges[rule->lhs].reached &&
+            !sg_ranges_use(w, rule->lhs, (sg_rule_id)r))
+            return true;
+    }
+    return false;
+}
+
 sg_status sg_ranges_check(sg_ranges *w)
 {
+    w->switched = has_switch(w);
     for (size_t s = 0; s < w->g->nsymbols; s++)
         SG_TRY(check_symbol(w, (sg_sym)s));
     return check_endings(w);

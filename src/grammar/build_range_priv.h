@@ -24,6 +24,7 @@ typedef struct {
     sg_sym *queue;    /* a ring of symbols that grew; NULL: nobody wants to know */
     size_t first, nqueued;
     bool *chancy;     /* [nsymbols] `maybe` whose first parameter is its probability */
+    bool switched;    /* constants take a rule out of use */
     bool suspect;     /* something may go wrong; examples will tell */
 } sg_ranges;
 

@@ -4,7 +4,7 @@
 
 #include "core/file.h"
 #include "grammar/grammar_priv.h"
-#include "grammar/import.h"
+#include "grammar/import_priv.h"
 #include "grammar/parse_priv.h"
 #include "grammar/split.h"
 #include "grammar/split_priv.h"

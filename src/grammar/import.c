@@ -2,10 +2,10 @@
 /* import.c - imported grammars: their texts, their trees. */
 #include "config.h"
 
-#include "grammar/import.h"
+#include "grammar/import_priv.h"
 
 #include "core/file.h"
-#include "grammar/import_rename.h"
+#include "grammar/import_rename_priv.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 /* import_rename.c - names of an imported grammar. */
 #include "config.h"
 
-#include "grammar/import_rename.h"
+#include "grammar/import_rename_priv.h"
 
 #include "core/array.h"
 #include "grammar/names.h"

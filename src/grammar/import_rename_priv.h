@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* import_rename.h - the names of an imported grammar, made its importer's. */
-#ifndef SG_GRAMMAR_IMPORT_RENAME_H
-#define SG_GRAMMAR_IMPORT_RENAME_H
+/* import_rename_priv.h - the names of an imported grammar, made its importer's. */
+#ifndef SG_GRAMMAR_IMPORT_RENAME_PRIV_H
+#define SG_GRAMMAR_IMPORT_RENAME_PRIV_H
 
 #include "grammar/ast.h"
 

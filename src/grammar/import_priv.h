@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* import.h - a grammar inside of another one: the statement `import NAME "FILE"`.
+/* import_priv.h - a grammar inside of another one: the statement `import NAME "FILE"`.
  *
  * NAME becomes the start symbol of FILE, what else FILE defines is called NAME.SYMBOL here, and the labels of FILE that
  * are symbols of the importing grammar are these symbols: so a grammar of labels (a learned facade) gets bodies. */
-#ifndef SG_GRAMMAR_IMPORT_H
-#define SG_GRAMMAR_IMPORT_H
+#ifndef SG_GRAMMAR_IMPORT_PRIV_H
+#define SG_GRAMMAR_IMPORT_PRIV_H
 
 #include "grammar/parse_priv.h"
 

@@ -16,7 +16,7 @@ block sh >"$work/commands"
 [ "$(grep -cE '^[a-z]+-[a-z]+ ' "$work/commands")" -ge 7 ] || fail "README's commands were not found"
 (cd "$work" && bash -e -o pipefail commands) >"$work/log" 2>&1 || { cat "$work/log"; fail "a command failed"; }
 for file in lattices/facade020.lat facades.sg canonical.sg report/index.html facades.svg samples/sheet.png \
-    facades.rf parsed/facade001.overlay.png oaks/sheet.png oaks/young-oak-0004.glb plane/airplane-0001.render.png \
+    facades.rf parsed/facade001.overlay.png oaks/sheet.png oaks/young_oak-0004.glb plane/airplane-0001.render.png \
     city/city-0020.obj mondrian/mondrian-0001.tree.svg spaceship.svg; do
     [ -s "$work/out/$file" ] || fail "out/$file was not made"
 done

@@ -15,6 +15,15 @@ typedef struct {
     sg_scene_opts opts;
 } test_scene;
 
+/** Bit for bit. */
+static inline bool test_same_primitives(const sg_primitive *a, const sg_primitive *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!sg_primitive_equal(a + i, b + i))
+            return false;
+    return true;
+}
+
 /** A grammar and a derivation of it. */
 static inline test_scene test_open_scene(const char *text, uint64_t seed)
 {

@@ -30,6 +30,18 @@ void sg_scene_states_clear(sg_scene_states *states)
     *states = (sg_scene_states){0};
 }
 
+bool sg_primitive_equal(const sg_primitive *a, const sg_primitive *b)
+{
+    return memcmp(a, b, offsetof(sg_primitive, corner)) == 0 &&
+           memcmp(a->corner, b->corner, a->ncorners * sizeof a->corner[0]) == 0;
+}
+
+bool sg_scene_state_equal(const sg_scene_state *a, const sg_scene_state *b)
+{
+    return memcmp(a, b, offsetof(sg_scene_state, corner)) == 0 &&
+           memcmp(a->corner, b->corner, a->ncorners * sizeof a->corner[0]) == 0;
+}
+
 sg_scene_state sg_scene_first_state(const sg_scene_opts *opts)
 {
     sg_scene_state s;
@@ -48,7 +60,12 @@ static sg_status enter(sg_scene_states *states, const sg_scene_item *item, size_
     if (!SG_GROW(states->places, states->capacity, states->n + 1))
         return SG_FAIL_NOMEM(err);
     const uint32_t parent = item->parent != SIZE_MAX ? (uint32_t)(states->n - item->parent) : 0;
-    states->places[states->n++] = (sg_scene_place){(uint32_t)item->node, parent, 1, first, item->state};
+    sg_scene_place *place = states->places + states->n++;
+    place->node = (uint32_t)item->node;
+    place->parent = parent;
+    place->length = 1;
+    place->first = first;
+    sg_scene_state_copy(&place->state, &item->state);
     return SG_OK;
 }
 
@@ -61,12 +78,20 @@ static void add_lengths(sg_scene_states *states, size_t base)
     }
 }
 
+static void copy_item(sg_scene_item *to, const sg_scene_item *from)
+{
+    to->node = from->node;
+    to->parent = from->parent;
+    sg_scene_state_copy(&to->state, &from->state);
+}
+
 static void reverse_items(sg_scene_item *items, size_t n)
 {
+    sg_scene_item swap;
     for (size_t i = 0; i + 1 < n; i++) {
-        const sg_scene_item swap = items[i];
-        items[i] = items[--n];
-        items[n] = swap;
+        copy_item(&swap, items + i);
+        copy_item(items + i, items + --n);
+        copy_item(items + n, &swap);
     }
 }
 
@@ -95,12 +120,15 @@ static sg_status walk(sg_scene_body *b, const sg_scene_state *state, sg_scene_st
     struct sg_scene_work *w = b->scene->work;
     const size_t base = states != NULL ? states->n : 0;
     w->n = 0;
-    sg_scene_item top = {b->node, SIZE_MAX, *state};
+    sg_scene_item top;
+    top.node = b->node;
+    top.parent = SIZE_MAX;
+    sg_scene_state_copy(&top.state, state);
     for (;;) {
         SG_TRY(place_item(b, &top, states));
         if (w->n == 0)
             break;
-        top = w->items[--w->n];
+        copy_item(&top, w->items + --w->n);
     }
     if (states != NULL)
         add_lengths(states, base);

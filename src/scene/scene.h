@@ -19,6 +19,10 @@
 #include "derivation/derivation.h"
 #include "scene/frame.h"
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
 typedef enum {
     SG_PRIMITIVE_SEGMENT,  /* from the origin along y, size[1] long; radius[0] at its start, radius[1] at its end. A
                               segment whose start and radius are another's end continues it */
@@ -40,17 +44,18 @@ typedef enum {
 enum { SG_PRIMITIVE_CORNERS = 12 };
 
 /** Convex, but for meshes, and where corner[] turns to the right somewhere: those polygons are simple. Fields that a kind
- *  has no use for are 0, and there is no padding: equal primitives are equal bytes. */
+ *  has no use for are 0; corners beyond ncorners are not set, so that primitives without any cost no more than they hold:
+ *  copy and compare with the functions below. */
 typedef struct {
     sg_frame frame;
     double size[3];
     double radius[2];
-    double corner[SG_PRIMITIVE_CORNERS][2]; /* counterclockwise */
     uint32_t kind, ncorners;
     uint32_t material; /* SG_NONE, or what set_material() set: see sg_scene_material() */
     sg_sym label;      /* SG_NONE, or a symbol of kind SG_SYMBOL_LABEL */
     uint32_t node;     /* of the derivation, whose body made it */
     uint32_t mesh;     /* for sg_grammar_string() */
+    double corner[SG_PRIMITIVE_CORNERS][2]; /* counterclockwise */
 } sg_primitive;
 
 /** What a body inherits. */
@@ -61,12 +66,30 @@ typedef struct {
     double joint;      /* radius at the end of the segment that ends here; -1: none does */
     double tropism[3]; /* direction T */
     double strength;   /* susceptibility e, radians for each unit of |H x T| */
-    double corner[SG_PRIMITIVE_CORNERS][2]; /* of the polygon that the scope is across z, as shares of its size: simple,
-                                               counterclockwise, from side to side */
     uint32_t material, label;
     uint32_t ncorners; /* 0: the scope is a box */
-    uint32_t unused;   /* 0: no padding here either */
+    uint32_t unused;   /* 0: no padding */
+    double corner[SG_PRIMITIVE_CORNERS][2]; /* of the polygon that the scope is across z, as shares of its size: simple,
+                                               counterclockwise, from side to side; not set beyond ncorners */
 } sg_scene_state;
+
+static inline void sg_primitive_copy(sg_primitive *to, const sg_primitive *from)
+{
+    memcpy(to, from, offsetof(sg_primitive, corner));
+    if (from->ncorners > 0)
+        memcpy(to->corner, from->corner, from->ncorners * sizeof from->corner[0]);
+}
+
+static inline void sg_scene_state_copy(sg_scene_state *to, const sg_scene_state *from)
+{
+    memcpy(to, from, offsetof(sg_scene_state, corner));
+    if (from->ncorners > 0)
+        memcpy(to->corner, from->corner, from->ncorners * sizeof from->corner[0]);
+}
+
+/** Bit for bit. */
+bool sg_primitive_equal(const sg_primitive *a, const sg_primitive *b);
+bool sg_scene_state_equal(const sg_scene_state *a, const sg_scene_state *b);
 
 typedef struct {
     double size[3];    /* of the first scope */

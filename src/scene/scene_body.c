@@ -30,14 +30,18 @@ static sg_status push_child(sg_scene_body *b, size_t node, const sg_scene_state 
     SG_TRY(sg_scene_count(b));
     if (!SG_GROW(w->items, w->capacity, w->n + 1))
         return SG_FAIL_NOMEM(b->err);
-    w->items[w->n++] = (sg_scene_item){node, b->place, *s};
+    sg_scene_item *item = w->items + w->n++;
+    item->node = node;
+    item->parent = b->place;
+    sg_scene_state_copy(&item->state, s);
     return SG_OK;
 }
 
 static sg_status read_successor(sg_scene_body *b, const sg_op *op, const sg_scene_state *s)
 {
     if (sg_grammar_symbol(b->d->grammar, op->symbol)->kind == SG_SYMBOL_LABEL) {
-        sg_scene_state labelled = *s;
+        sg_scene_state labelled;
+        sg_scene_state_copy(&labelled, s);
         labelled.label = op->symbol;
         return sg_scene_add_scope(b, &labelled, SG_PRIMITIVE_LABEL);
     }
@@ -48,21 +52,21 @@ static sg_status read_successor(sg_scene_body *b, const sg_op *op, const sg_scen
 }
 
 /* The scope from one share of it to another along an axis: a scope of its own, where no segment ends. */
-static sg_scene_state piece(const sg_scene_state *s, sg_axis axis, double from, double to)
+static void piece(const sg_scene_state *s, sg_axis axis, double from, double to, sg_scene_state *out)
 {
     const double length = s->size[axis];
     const double a = sg_placer_cut(0, length, from), b = sg_placer_cut(0, length, to);
-    sg_scene_state out = *s;
-    sg_frame_move(&out.frame, axis == SG_AXIS_X ? a : 0, axis == SG_AXIS_Y ? a : 0, axis == SG_AXIS_Z ? a : 0);
-    out.size[axis] = b - a;
-    out.joint = -1;
-    return out;
+    sg_scene_state_copy(out, s);
+    sg_frame_move(&out->frame, axis == SG_AXIS_X ? a : 0, axis == SG_AXIS_Y ? a : 0, axis == SG_AXIS_Z ? a : 0);
+    out->size[axis] = b - a;
+    out->joint = -1;
 }
 
 /* A block passed over: its successors count, but stand nowhere. */
 static sg_status pass_over(sg_scene_body *b, size_t first, size_t end, const sg_scene_state *s)
 {
-    sg_scene_state unseen = *s;
+    sg_scene_state unseen;
+    sg_scene_state_copy(&unseen, s);
     b->unplaced++;
     const sg_status st = read_block(b, first, end, &unseen);
     b->unplaced--;
@@ -74,7 +78,8 @@ static sg_status pass_over(sg_scene_body *b, size_t first, size_t end, const sg_
 static sg_status read_piece(sg_scene_body *b, size_t first, size_t end, const sg_scene_state *s, sg_axis axis,
                             double from, double to)
 {
-    sg_scene_state inner = piece(s, axis, from, to);
+    sg_scene_state inner;
+    piece(s, axis, from, to, &inner);
     return inner.size[axis] > 0 ? read_block(b, first, end, &inner) : pass_over(b, first, end, s);
 }
 
@@ -178,7 +183,7 @@ static sg_status read_op(sg_scene_body *b, size_t at, sg_scene_state *s)
     case SG_OP_REPEAT:
         return read_repeat(b, at, s);
     case SG_OP_PUSH:
-        inner = *s;
+        sg_scene_state_copy(&inner, s);
         return read_block(b, at + 1, at + op->length, &inner);
     case SG_OP_SHAPE:
         return op->shape == SG_SHAPE_COMPONENTS ? read_components(b, at, s) : sg_scene_read_shape(b, op, s);
@@ -202,7 +207,8 @@ static sg_status read_block(sg_scene_body *b, size_t first, size_t end, sg_scene
 
 sg_status sg_scene_read_body(sg_scene_body *b, const sg_scene_state *state)
 {
-    sg_scene_state s = *state;
+    sg_scene_state s;
+    sg_scene_state_copy(&s, state);
     b->in_repeat = false;
     b->unplaced = 0;
     return read_block(b, 0, b->r->nops, &s);

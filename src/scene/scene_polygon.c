@@ -74,7 +74,6 @@ static bool fit(sg_scene_state *face, const double (*p)[2], size_t n)
         }
     if (!is_simple(p, n, fmax(high[0] - low[0], high[1] - low[1])))
         return false;
-    memset(face->corner, 0, sizeof face->corner);
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < 2; k++)
             face->corner[i][k] = p[i][k] == high[k] ? 1 : (p[i][k] - low[k]) / (high[k] - low[k]);
@@ -109,7 +108,7 @@ sg_status sg_scene_make_polygon(sg_scene_body *b, const double *args, uint32_t n
         reverse(p, n);
     if (!fit(&face, (const double(*)[2])p, n))
         return sg_scene_fail(b, "the sides of a polygon cross or touch, or it has no area");
-    *s = face;
+    sg_scene_state_copy(s, &face);
     return SG_OK;
 }
 
@@ -199,12 +198,6 @@ int sg_scene_face_kind(const sg_scene_state *s, size_t k)
     return side[0] > 0 ? SG_FACE_FRONT : SG_FACE_BACK;
 }
 
-static void clear_corners(sg_scene_state *s)
-{
-    memset(s->corner, 0, sizeof s->corner);
-    s->ncorners = 0;
-}
-
 /* Upright: x along the side, y along the scope's z. */
 static bool wall_at(const sg_scene_state *s, size_t k, sg_scene_state *out)
 {
@@ -217,7 +210,7 @@ static bool wall_at(const sg_scene_state *s, size_t k, sg_scene_state *out)
     sg_frame_direction(&s->frame, side[0] / length, side[1] / length, 0, out->frame.x);
     memcpy(out->frame.y, s->frame.z, sizeof out->frame.y);
     sg_vec_cross(out->frame.x, out->frame.y, out->frame.z);
-    clear_corners(out);
+    out->ncorners = 0;
     out->size[0] = length;
     out->size[1] = s->size[2];
     return true;
@@ -240,7 +233,7 @@ bool sg_scene_face_at(const sg_scene_state *s, size_t k, sg_scene_state *out)
 {
     if (s->ncorners == 0)
         return sg_scene_face(s, (int)k, out);
-    *out = *s;
+    sg_scene_state_copy(out, s);
     out->joint = -1;
     out->size[2] = 0;
     if (!(s->size[0] > 0 && s->size[1] > 0))

@@ -23,7 +23,7 @@ bool sg_scene_face(const sg_scene_state *s, int face, sg_scene_state *out)
     };
     const double *size = s->size;
     const bool negative = face == SG_FACE_BACK || face == SG_FACE_LEFT || face == SG_FACE_BOTTOM;
-    *out = *s;
+    sg_scene_state_copy(out, s);
     out->joint = -1;
     out->size[0] = size[faces[face].width];
     out->size[1] = size[faces[face].height];
@@ -59,17 +59,17 @@ static sg_status add_pitched(sg_scene_body *b, const sg_scene_state *face, doubl
     lay_ridge(face, &p);
     p.size[1] = p.size[0] / 2 * tan(slope * pi / 180);
     if (!hip) {
+        const double corner[3][2] = {{0, 0}, {p.size[0], 0}, {p.size[0] / 2, p.size[1]}};
         p.ncorners = 3;
-        p.corner[1][0] = p.size[0];
-        p.corner[2][0] = p.size[0] / 2;
-        p.corner[2][1] = p.size[1];
+        memcpy(p.corner, corner, sizeof corner);
     }
     return sg_scene_add(b, &p);
 }
 
 static sg_status add_flat(sg_scene_body *b, const sg_scene_state *face, double height)
 {
-    sg_scene_state slab = *face;
+    sg_scene_state slab;
+    sg_scene_state_copy(&slab, face);
     slab.size[2] = fmax(0, height);
     return sg_scene_add_scope(b, &slab, SG_PRIMITIVE_POLYGON);
 }

@@ -17,7 +17,7 @@ static const double degree = 0.017453292519943295;
 sg_primitive sg_scene_primitive(const sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind kind)
 {
     sg_primitive p;
-    memset(&p, 0, sizeof p);
+    memset(&p, 0, offsetof(sg_primitive, corner));
     p.frame = s->frame;
     p.kind = kind;
     memcpy(p.size, s->size, sizeof p.size);
@@ -42,20 +42,20 @@ sg_status sg_scene_add(sg_scene_body *b, const sg_primitive *p)
     if (b->unplaced > 0)
         return SG_OK;
     if (!all_finite(p->frame.origin, 3) || !all_finite(p->size, 3) || !all_finite(p->radius, 2) ||
-        !all_finite(p->corner[0], 2 * (size_t)SG_PRIMITIVE_CORNERS))
+        (p->ncorners > 0 && !all_finite(p->corner[0], 2 * (size_t)p->ncorners)))
         return sg_scene_fail(b, "a place or a size grows beyond all numbers");
     SG_TRY(sg_scene_count(b));
     if (!SG_GROW(scene->items, scene->capacity, scene->n + 1))
         return SG_FAIL_NOMEM(b->err);
-    scene->items[scene->n++] = *p;
+    sg_primitive_copy(scene->items + scene->n++, p);
     return SG_OK;
 }
 
 void sg_scene_set_rectangle(sg_primitive *p, double width, double height)
 {
+    const double corner[4][2] = {{0, 0}, {width, 0}, {width, height}, {0, height}};
     p->ncorners = 4;
-    p->corner[1][0] = p->corner[2][0] = width;
-    p->corner[2][1] = p->corner[3][1] = height;
+    memcpy(p->corner, corner, sizeof corner);
 }
 
 /* Which face stands for a scope that is flat. */
@@ -183,7 +183,7 @@ static sg_status eval_args(sg_scene_body *b, const sg_op *op, double *args)
 
 sg_status sg_scene_read_shape(sg_scene_body *b, const sg_op *op, sg_scene_state *s)
 {
-    double a[MAX_ARGS] = {0};
+    double a[MAX_ARGS];
     SG_TRY(eval_args(b, op, a));
     switch ((sg_shape_op)op->shape) {
     case SG_SHAPE_DRAW:

@@ -136,6 +136,11 @@ $(samples)
 $(rendered)
 </div>
 
+<p>A street of new ones, in space: <code>street.sg</code> <a href="street/street.sg">imports</a> the learned grammar and gives each of its
+labels a body, with windows behind the wall and balconies before it. The model is there for other
+programs, as <a href="street/street-0001.obj">OBJ</a> and as <a href="street/street-0001.glb">glTF</a>.</p>
+<figure class="drawing"><img src="street/street-0001.render.png" alt="a street of sampled facades, as a model in space"></figure>
+
 <h2>5. Photographs, parsed</h2>
 <p>These facades took no part in learning. <code>learn-unaries</code> trained a random forest on the ${#training[@]} training photographs, which says
 of each pixel what it may be; <code>parse-facade</code> looked for the derivation of the grammar that explains all pixels of a photograph together, by

@@ -31,6 +31,11 @@ make_demo() { # BUILD-FOLDER FOLDER SEED
         --formats rgb,labels,json,svg
     run_step "rendering 14 more as photographs" "$log/rendered.txt" \
         "$build"/data/render-facades "$out/grammar.sg" -n 14 -o "$out/rendered" --seed "$seed" --quiet
+    mkdir "$out/street"
+    sed 's|haussmann.sg|../grammar.sg|' "$top/data/grammars/street.sg" >"$out/street/street.sg"
+    run_step "building a street of new facades" "$log/street.txt" \
+        "$build"/src/sample-grammar "$out/street/street.sg" -n 1 --name street --formats obj,gltf,render --size 1100x420 --view=-22,10 \
+        --seed "$seed" --quiet -o "$out/street"
     mapfile -t held_out < <(awk -F'\t' -v folder="$data/images/" '$2 == "test" { print folder $1 ".jpg" }' "$data/folds/1.tsv" | head -n 6)
     run_step "training a pixel classifier on the 30 photographs" "$log/unaries.txt" \
         "$build"/parse/learn-unaries "$data" --fold 1 --trees 12 --depth 16 --pixels 60000 --seed "$seed" --quiet \

@@ -130,13 +130,21 @@ static void run_worker(sample_job *j, sg_progress *progress, size_t *ndone)
     worker_close(j, &w);
 }
 
+/* Threads that no sample is left for draw pictures. */
+static void share_threads(sample_job *j)
+{
+    const int threads = j->opts->common.threads > 0 ? j->opts->common.threads : omp_get_max_threads();
+    j->workers = (size_t)threads < j->n ? threads : (int)j->n;
+    j->render_threads = threads / j->workers;
+    omp_set_max_active_levels(2);
+}
+
 static sg_status sample_all(sample_job *j, sg_error *err)
 {
     sg_progress progress = sg_program_progress(&j->opts->common);
     size_t ndone = 0;
-    if (j->opts->common.threads > 0)
-        omp_set_num_threads(j->opts->common.threads);
-#pragma omp parallel
+    share_threads(j);
+#pragma omp parallel num_threads(j->workers)
     run_worker(j, &progress, &ndone);
     sg_program_progress_end();
     if (j->failed < j->n) {

@@ -25,6 +25,8 @@ typedef struct {
     sg_derivation_file stored; /* none when sampling */
     sg_assets *assets;         /* NULL without models in space */
     size_t n;                  /* samples */
+    int workers;               /* samples made at once */
+    int render_threads;        /* that each of them may draw with */
     char name[256];
     sg_classes classes;
     uint8_t *value_of;   /* [symbols] */

@@ -164,7 +164,7 @@ static double share_below(double x, double y, double a, double b, double c)
 START_TEST(edges_are_as_dark_as_they_cover)
 {
     sg_error err = SG_ERROR_INIT;
-    sg_render_opts opts = {64, 0, 0, 0, 45, 0xffffff, false};
+    sg_render_opts opts = {64, 0, 0, 0, 45, 0xffffff, false, 1};
     const double t = 0.1 + 0.37 * _i, a = cos(t), b = sin(t);
     const sg_camera c = {.frame = SG_FRAME_INIT, .half = {10, 10}, .scale = 1, .projection = SG_PROJECTION_ORTHOGRAPHIC};
     /* In the picture a (x - 10) + b (y - 10) < 0.3, with y down; 1 px is a unit. */
@@ -291,6 +291,25 @@ static const char plant[] =
     "limit depth 5\nstart T(1)\nrule T(l) -> width(l / 8) draw(l) [ turn(40) set_material(#808020) T(l * 0.7) ] roll(90) "
     "pitch(20) T(l * 0.8)\nrule T(l) at limit -> size(0.1, 0.1, 0) set_material(#208020) insert(box)\n";
 
+/* A picture is the same whatever the number of threads that draw it. */
+START_TEST(pictures_do_not_depend_on_threads)
+{
+    const sg_view view = SG_VIEW_INIT;
+    sg_render_opts opts = SG_RENDER_OPTS_INIT;
+    sg_image one;
+    opts.samples = 1 + 2 * (size_t)_i; /* fewer and more than threads */
+    opts.sky = 3;
+    one = picture(plant, 97, 131, &view, &opts);
+    for (int threads = 2; threads <= 5; threads++) {
+        opts.threads = threads;
+        sg_image many = picture(plant, 97, 131, &view, &opts);
+        ck_assert_msg(memcmp(one.rgb, many.rgb, 3 * 97 * 131) == 0, "%d threads", threads);
+        sg_image_clear(&many);
+    }
+    sg_image_clear(&one);
+}
+END_TEST
+
 /* Pictures drawn beside each other in threads are those that are drawn alone. */
 START_TEST(threads_draw_the_same_bytes)
 {
@@ -343,8 +362,9 @@ END_TEST
 
 START_TEST(options_out_of_range_are_refused)
 {
-    const sg_render_opts good = {256, 0, 0, 0, 0, 0, true}, bad[] = {{0, 1, 1, 0, 0, 0, true}, {257, 1, 1, 0, 0, 0, true},
-                                                             {1, 1025, 1, 0, 0, 0, true}, {1, 1, 1025, 0, 0, 0, true}};
+    const sg_render_opts good = {256, 0, 0, 0, 0, 0, true, 1},
+                         bad[] = {{0, 1, 1, 0, 0, 0, true, 1}, {257, 1, 1, 0, 0, 0, true, 1},
+                                  {1, 1025, 1, 0, 0, 0, true, 1}, {1, 1, 1025, 0, 0, 0, true, 1}};
     const sg_view view = SG_VIEW_INIT;
     sg_error err = SG_ERROR_INIT;
     test_scene f = test_scene_of(plant);
@@ -392,6 +412,7 @@ int main(void)
     tcase_add_loop_test(pictures, thin_twigs_do_not_vanish, 0, 6);
     tcase_add_test(pictures, boxes_throw_shadows);
     tcase_add_test(pictures, fronts_are_lit);
+    tcase_add_loop_test(pictures, pictures_do_not_depend_on_threads, 0, 5);
     tcase_add_test(pictures, threads_draw_the_same_bytes);
     tcase_add_test(pictures, empty_scenes_and_odd_sizes_have_pictures);
     tcase_add_test(pictures, options_out_of_range_are_refused);

@@ -23,16 +23,22 @@ typedef struct {
     double side[2][2]; /* for x and y: most of z t + x, and of z t - x */
 } extent;
 
+/* fmax() is a call, and this is done for each vertex and each direction of light. */
+static double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 static void extend(extent *e, const sg_frame *axes, const double *tangent, const double *point)
 {
     const double at[3] = {sg_vec_dot(point, axes->x), sg_vec_dot(point, axes->y), sg_vec_dot(point, axes->z)};
     for (int i = 0; i < 3; i++) {
-        e->low[i] = fmin(e->low[i], at[i]);
-        e->high[i] = fmax(e->high[i], at[i]);
+        e->low[i] = at[i] < e->low[i] ? at[i] : e->low[i];
+        e->high[i] = greater(e->high[i], at[i]);
     }
     for (int i = 0; i < 2; i++) {
-        e->side[i][0] = fmax(e->side[i][0], at[2] * tangent[i] + at[i]);
-        e->side[i][1] = fmax(e->side[i][1], at[2] * tangent[i] - at[i]);
+        e->side[i][0] = greater(e->side[i][0], at[2] * tangent[i] + at[i]);
+        e->side[i][1] = greater(e->side[i][1], at[2] * tangent[i] - at[i]);
     }
 }
 

@@ -60,6 +60,11 @@ void sg_light_maps_clear(sg_light_maps *maps)
     sg_shadow_map_clear(&maps->sun);
 }
 
+static float facing(const sg_light_point *p, const float *direction)
+{
+    return p->normal[0] * direction[0] + p->normal[1] * direction[1] + p->normal[2] * direction[2];
+}
+
 /* @param lift  more than the points have */
 static void gather_sky(const sg_shadow_map *map, const double *direction, float lift, double light, sg_light_point *points,
                        size_t n)
@@ -67,7 +72,7 @@ static void gather_sky(const sg_shadow_map *map, const double *direction, float 
     const float d[3] = {(float)direction[0], (float)direction[1], (float)direction[2]};
     for (size_t i = 0; i < n; i++) {
         sg_light_point *p = points + i;
-        const float cosine = p->normal[0] * d[0] + p->normal[1] * d[1] + p->normal[2] * d[2];
+        const float cosine = facing(p, d);
         if (cosine <= 0)
             continue;
         const float comes = (float)light * cosine;
@@ -78,9 +83,13 @@ static void gather_sky(const sg_shadow_map *map, const double *direction, float 
     }
 }
 
-static void gather_sun(const sg_shadow_map *map, sg_light_point *points, size_t n)
+/* @param sun  the middle of it */
+static void gather_sun(const sg_shadow_map *map, const double *sun, sg_light_point *points, size_t n)
 {
+    const float d[3] = {(float)sun[0], (float)sun[1], (float)sun[2]};
     for (size_t i = 0; i < n; i++) {
+        if (facing(points + i, d) <= 0)
+            continue;
         points[i].sun_whole += 1;
         points[i].sun_open += sg_shadow_map_lit(map, points[i].at) ? 1 : 0;
     }
@@ -100,7 +109,7 @@ sg_status sg_light_gather(const sg_lights *lights, const sg_mesh *mesh, const sg
     for (size_t i = first_sun; i < first_sun + nsun; i++) {
         sun_direction(lights, i, d);
         SG_TRY(sg_shadow_map_draw(&maps->sun, mesh, ball, d, err));
-        gather_sun(&maps->sun, points, n);
+        gather_sun(&maps->sun, lights->sun, points, n);
     }
     return SG_OK;
 }

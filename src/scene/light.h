@@ -19,7 +19,7 @@ typedef struct {
 } sg_lights;
 
 /** Round, white, and soft; the sun stands where the caller puts it. */
-#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.56, 0.58, 0.61}, {0.30, 0.295, 0.29}, {0.74, 0.71, 0.66}, 640, 2048}
+#define SG_LIGHTS_INIT {{0, 1, 0}, 3, {0.56, 0.58, 0.61}, {0.30, 0.295, 0.29}, {0.74, 0.71, 0.66}, 512, 1440}
 
 /** Work space: one map for all directions of each. A zeroed one is empty. */
 typedef struct {
@@ -33,12 +33,13 @@ void sg_light_maps_clear(sg_light_maps *maps);
 /** A point of a surface, and what has come to it so far. */
 typedef struct {
     float at[3];     /* in the coordinates of the ball, lifted off the surface as the sun's map asks for */
-    float normal[3]; /* of length 1 */
+    float normal[3]; /* of length 1; zero: there is nothing */
     float open, whole;         /* sky light that came, and that would have come */
     float sun_open, sun_whole; /* likewise of the sun, not weighted with the angle */
 } sg_light_point;
 
-/** Shares of the light of directions first, first + 1, ... in the sequences of sky and sun.
+/** Shares of the light of directions first, first + 1, ... in the sequences of sky and sun. The sun is left out behind a
+ *  point's back, where it cannot be seen.
  *  @param nsky, nsun  how many of each
  *  @return SG_OK, SG_ENUMERIC, SG_ENOMEM (as sg_raster_draw()) */
 sg_status sg_light_gather(const sg_lights *lights, const sg_mesh *mesh, const sg_ball *ball, sg_light_maps *maps,

@@ -35,8 +35,10 @@ void sg_raster_clear(sg_raster *r)
 
 void sg_raster_wipe(sg_raster *r)
 {
-    for (size_t i = 0; i < r->width * r->height; i++)
-        r->keys[i] = INFINITY;
+    for (size_t x = 0; x < r->width; x++)
+        r->keys[x] = INFINITY;
+    for (size_t y = 1; y < r->height; y++)
+        memcpy(r->keys + y * r->width, r->keys, r->width * sizeof *r->keys);
     if (r->triangles != NULL)
         memset(r->triangles, 0xff, r->width * r->height * sizeof *r->triangles);
 }

@@ -24,12 +24,18 @@ typedef struct {
     double background[3], on_ground[3]; /* colour, and the light on open ground */
     double (*materials)[3];
     size_t sky, sun; /* directions for each sample */
-    sg_raster raster;
-    sg_light_maps maps;
-    sg_shade_points seen;
+    size_t width, height;
     float *sum; /* [height][width][3] */
     sg_error *err;
 } painter;
+
+/* Work space of one thread, and a picture of one sample in each pixel. */
+typedef struct {
+    sg_raster raster;
+    sg_light_maps maps;
+    sg_shade_points seen;
+    sg_error err;
+} easel;
 
 static void place_sun(painter *p)
 {
@@ -61,7 +67,7 @@ static double lowest(const sg_mesh *m)
     return y;
 }
 
-static sg_status open_painter(painter *p, size_t width, size_t height)
+static sg_status open_painter(painter *p)
 {
     const sg_light_point open_ground = {.normal = {0, 1, 0}};
     place_sun(p);
@@ -70,9 +76,8 @@ static sg_status open_painter(painter *p, size_t width, size_t height)
     p->ground = lowest(p->mesh);
     sg_srgb_to_linear(p->opts->background, p->background);
     sg_light_sum(&p->lights, &open_ground, p->on_ground);
-    SG_TRY(sg_raster_create(width, height, true, &p->raster, p->err));
-    SG_TRY(sg_light_maps_create(&p->lights, &p->maps, p->err));
-    p->sum = calloc(width * height, 3 * sizeof *p->sum);
+    SG_TRY(sg_image_check_size(p->width, p->height, p->err));
+    p->sum = calloc(p->width * p->height, 3 * sizeof *p->sum);
     p->materials = malloc((p->mesh->nmaterials + 1) * sizeof *p->materials);
     if (p->sum == NULL || p->materials == NULL)
         return SG_FAIL_NOMEM(p->err);
@@ -86,31 +91,40 @@ static sg_status open_painter(painter *p, size_t width, size_t height)
 
 static void close_painter(painter *p)
 {
-    sg_raster_clear(&p->raster);
-    sg_light_maps_clear(&p->maps);
-    sg_shade_points_clear(&p->seen);
     free(p->sum);
     free(p->materials);
 }
 
-/* The ground has the colour of the background, and darkens by what of its light is hidden. */
-static void point_color(const painter *p, size_t i, double *rgb)
+static sg_status open_easel(const painter *p, easel *e)
 {
-    const uint32_t material = p->seen.materials[i];
-    sg_light_sum(&p->lights, p->seen.points + i, rgb);
+    *e = (easel){.err = SG_ERROR_INIT};
+    SG_TRY(sg_raster_create(p->width, p->height, true, &e->raster, &e->err));
+    return sg_light_maps_create(&p->lights, &e->maps, &e->err);
+}
+
+static void close_easel(easel *e)
+{
+    sg_raster_clear(&e->raster);
+    sg_light_maps_clear(&e->maps);
+    sg_shade_points_clear(&e->seen);
+}
+
+/* The ground has the colour of the background, and darkens by what of its light is hidden. */
+static void point_color(const painter *p, const sg_light_point *point, uint32_t material, double *rgb)
+{
+    sg_light_sum(&p->lights, point, rgb);
     for (int k = 0; k < 3; k++)
         rgb[k] *= material == SG_SHADE_GROUND ? p->background[k] / p->on_ground[k] : p->materials[material][k];
 }
 
-static void add_colors(painter *p)
+static void add_colors(painter *p, const sg_shade_points *seen)
 {
-    const size_t n = p->raster.width * p->raster.height;
-    for (size_t pixel = 0, i = 0; pixel < n; pixel++) {
+    for (size_t i = 0; i < p->width * p->height; i++) {
         double rgb[3] = {p->background[0], p->background[1], p->background[2]};
-        if (i < p->seen.n && p->seen.pixels[i] == pixel)
-            point_color(p, i++, rgb);
-        for (int k = 0; k < 3; k++)
-            p->sum[3 * pixel + (size_t)k] += (float)fmin(1, rgb[k]);
+        if (seen->materials[i] != SG_SHADE_NOTHING)
+            point_color(p, seen->points + i, seen->materials[i], rgb);
+        for (size_t k = 0; k < 3; k++)
+            p->sum[3 * i + k] += rgb[k] < 1 ? (float)rgb[k] : 1;
     }
 }
 
@@ -123,25 +137,59 @@ static double mirrored_bits(size_t i)
 }
 
 /* Sample s of n stands in a row and in a column of its own: Hammersley's points. */
-static sg_status add_picture(painter *p, size_t s)
+static sg_status draw_picture(const painter *p, size_t s, easel *e)
 {
     const double n = (double)p->opts->samples, offset[2] = {((double)s + 0.5) / n, mirrored_bits(s) + 0.5 / n};
     const sg_shade_view view = {p->mesh, p->camera, &p->ball, sg_shadow_map_lift(p->lights.sun_side),
                                 p->opts->ground && p->mesh->nfaces > 0 ? &p->ground : NULL};
-    sg_raster_wipe(&p->raster);
-    SG_TRY(sg_raster_draw(&p->raster, p->mesh, p->camera, offset, p->err));
-    SG_TRY(sg_shade_find(&p->raster, &view, offset, &p->seen, p->err));
-    SG_TRY(sg_light_gather(&p->lights, p->casts, &p->ball, &p->maps, s * p->sky, p->sky, s * p->sun, p->sun, p->seen.points,
-                           p->seen.n, p->err));
-    add_colors(p);
-    return SG_OK;
+    sg_raster_wipe(&e->raster);
+    SG_TRY(sg_raster_draw(&e->raster, p->mesh, p->camera, offset, &e->err));
+    SG_TRY(sg_shade_find(&e->raster, &view, offset, &e->seen, &e->err));
+    return sg_light_gather(&p->lights, p->casts, &p->ball, &e->maps, s * p->sky, p->sky, s * p->sun, p->sun, e->seen.points,
+                           p->width * p->height, &e->err);
+}
+
+/* As many as are asked for, as there is work for, and as there should be memory for. */
+static int thread_count(const painter *p)
+{
+    const double most = 1e9, maps = 4.0 * (double)(p->lights.sky_side * p->lights.sky_side +
+                                                   p->lights.sun_side * p->lights.sun_side);
+    const double one = 52.0 * (double)p->width * (double)p->height + maps;
+    return (int)fmax(1, fmin(fmin((double)p->opts->threads, (double)p->opts->samples), most / one));
+}
+
+/* Sums of rounded numbers depend on their order: pictures are added up in theirs, whoever draws them. */
+static sg_status add_pictures(painter *p)
+{
+    const int threads = thread_count(p);
+    sg_status st = SG_OK; /* of the first that failed */
+#pragma omp parallel num_threads(threads) if (threads > 1)
+    {
+        easel e;
+        const sg_status opened = open_easel(p, &e);
+#pragma omp for ordered schedule(dynamic, 1)
+        for (size_t s = 0; s < p->opts->samples; s++) {
+            const sg_status drawn = opened != SG_OK ? opened : draw_picture(p, s, &e);
+#pragma omp ordered
+            {
+                if (st == SG_OK && drawn == SG_OK)
+                    add_colors(p, &e.seen);
+                else if (st == SG_OK) {
+                    st = drawn;
+                    if (p->err != NULL)
+                        *p->err = e.err;
+                }
+            }
+        }
+        close_easel(&e);
+    }
+    return st;
 }
 
 static sg_status paint(painter *p, sg_image *im)
 {
-    SG_TRY(open_painter(p, im->width, im->height));
-    for (size_t s = 0; s < p->opts->samples; s++)
-        SG_TRY(add_picture(p, s));
+    SG_TRY(open_painter(p));
+    SG_TRY(add_pictures(p));
     for (size_t i = 0; i < 3 * im->width * im->height; i++)
         im->rgb[i] = sg_srgb_of_linear((double)p->sum[i] / (double)p->opts->samples);
     return SG_OK;
@@ -153,7 +201,8 @@ sg_status sg_render_mesh(const sg_mesh *mesh, const sg_mesh *casts, const sg_cam
     if (opts->samples < 1 || opts->samples > 256 || opts->sky > 1024 || opts->sun > 1024)
         return SG_FAIL(err, SG_EINVAL, "a picture of %zu samples in a pixel, with light from %zu directions", opts->samples,
                        opts->sky + opts->sun);
-    painter p = {.mesh = mesh, .casts = casts != NULL ? casts : mesh, .camera = camera, .opts = opts, .err = err};
+    painter p = {.mesh = mesh, .casts = casts != NULL ? casts : mesh, .camera = camera, .opts = opts,
+                 .width = im->width, .height = im->height, .err = err};
     const sg_status st = paint(&p, im);
     close_painter(&p);
     return st;

@@ -28,9 +28,10 @@ sg_status sg_derivation_reserve(sg_derivation *d, size_t nodes, size_t uniforms,
     const size_t most = SG_DERIVATION_MAX_ITEMS;
     if (nodes > most - d->nnodes || uniforms > most - d->nuniforms || values > most - d->nvalues)
         return SG_FAIL(err, SG_ENOMEM, "a derivation would hold more than %zu nodes or values", most);
-    if (!SG_GROW(d->nodes, d->nodes_capacity, d->nnodes + nodes) ||
-        !SG_GROW(d->uniforms, d->uniforms_capacity, d->nuniforms + uniforms) ||
-        !SG_GROW(d->values, d->values_capacity, d->nvalues + values))
+    /* One more than is needed: then no array is NULL, and a node without values may point into it. */
+    if (!SG_GROW(d->nodes, d->nodes_capacity, d->nnodes + nodes + 1) ||
+        !SG_GROW(d->uniforms, d->uniforms_capacity, d->nuniforms + uniforms + 1) ||
+        !SG_GROW(d->values, d->values_capacity, d->nvalues + values + 1))
         return SG_FAIL_NOMEM(err);
     return SG_OK;
 }

@@ -142,7 +142,8 @@ static sg_status push_repeated(growth *w, const sg_rule *r, size_t node, size_t 
     const size_t before = d->pending.n;
     SG_TRY(sg_derivation_list_children(d->grammar, r, d->values + n->values, n->depth, (uint32_t)node, limit,
                                        &d->pending, w->err));
-    reverse(d->pending.items + before, d->pending.n - before);
+    if (d->pending.n > before)
+        reverse(d->pending.items + before, d->pending.n - before);
     return SG_OK;
 }
 

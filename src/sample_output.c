@@ -14,19 +14,16 @@
 #include "scene/render.h"
 
 #include <string.h>
-#include <sys/stat.h>
 
-static bool is_same_file(const char *a, const char *b)
+static bool is_input(const char *input, const char *output)
 {
-    struct stat in, out;
-    return a != NULL && stat(a, &in) == 0 && stat(b, &out) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino &&
-           S_ISREG(out.st_mode);
+    return input != NULL && sg_file_exists(output) && sg_file_same(input, output);
 }
 
 sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error *err)
 {
-    const bool grammar = is_same_file(j->opts->grammar, path);
-    if (grammar || is_same_file(j->opts->from, path))
+    const bool grammar = is_input(j->opts->grammar, path);
+    if (grammar || is_input(j->opts->from, path))
         return SG_FAIL(err, SG_EINVAL, "%s: %s read; choose another folder or --name", path,
                        grammar ? "this is the grammar that is" : "these are the derivations that are");
     if (j->assets != NULL && sg_assets_has_file(j->assets, path))

@@ -219,8 +219,8 @@ static const struct {
 static const char *const switches[] = {
     "const lobes = 0\nstart X(1)\nrule X(j) if j > 0 and lobes > 0 -> Y\nrule X(j) if not (j > 0 and lobes > 0) -> nothing\nrule Y -> nothing",
     "const lobes = 0\nstart X\nrule X if lobes > 0 -> Y\nrule X if lobes == 0 -> nothing\nrule Y -> nothing",
-    "const lobes = 0\nfunction many(x) = x > lobes + 3\nstart X(1)\nrule X(j) if many(j) -> Y\nrule X(j) if not many(j) -> nothing\n"
-    "rule Y -> Z\nrule Z -> nothing",
+    ("const lobes = 0\nfunction many(x) = x > lobes + 3\nstart X(1)\nrule X(j) if many(j) -> Y\n"
+     "rule X(j) if not many(j) -> nothing\nrule Y -> Z\nrule Z -> nothing"),
     "weights\nconst lobes = 0\nstart X\nrule X -> lobes : Y -> 1 : nothing\nrule Y -> nothing",
 };
 

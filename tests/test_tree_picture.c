@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_tree_picture.c - drawn derivations: all of it or a part that says what it leaves out, and nothing on top of another. */
 #include "core/random.h"
+#include "core/utf8.h"
 #include "derivation/derivation_statistics.h"
 #include "scene/tree_picture.h"
 #include "tests/derivation_grammars.h"
@@ -40,6 +41,19 @@ static void close_fixture(fixture *f)
     sg_derivation_clear(&f->d);
     sg_grammar_free(f->g);
 }
+
+/* A name that is too long is cut between two letters, so that an SVG stays UTF-8. */
+START_TEST(long_names_are_cut_between_letters)
+{
+    fixture f = draw("start S\nrule S -> h\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6"
+                     "\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6 ~ uniform(1, 1.00001) draw(1)\n",
+                     1, (sg_tree_picture_opts)SG_TREE_PICTURE_OPTS_INIT);
+    const char *beside = f.p.marks[0].beside;
+    ck_assert(sg_utf8_is(beside, strlen(beside)));
+    ck_assert_str_eq(beside, "h\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6\xC3\xB6 = 1");
+    close_fixture(&f);
+}
+END_TEST
 
 /* Everything a mark takes: its box, and the text beside it. */
 typedef struct {
@@ -252,6 +266,7 @@ int main(void)
 {
     Suite *suite = suite_create("tree_picture");
     TCase *tc = tcase_create("tree_picture");
+    tcase_add_test(tc, long_names_are_cut_between_letters);
     tcase_add_loop_test(tc, all_of_a_derivation_is_drawn, 0, 20);
     tcase_add_loop_test(tc, a_part_says_what_it_leaves_out, 0, 45);
     tcase_add_loop_test(tc, marks_say_what_they_should, 0, 8);

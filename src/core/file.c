@@ -257,6 +257,13 @@ char *sg_file_stem(const char *path, sg_arena *arena)
     return sg_arena_printf(arena, "%.*s", dot != NULL && dot > base ? (int)(dot - base) : (int)strlen(base), base);
 }
 
+char *sg_file_beside(const char *path, const char *name, sg_arena *arena)
+{
+    const char *slash = strrchr(path, '/');
+    const int folder = name[0] != '/' && slash != NULL ? (int)(slash - path) + 1 : 0;
+    return sg_arena_printf(arena, "%.*s%s", folder, path, name);
+}
+
 bool sg_file_exists(const char *path)
 {
     struct stat st;

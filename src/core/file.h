@@ -43,6 +43,8 @@ bool sg_file_same_place(const char *a, const char *b);
 bool sg_file_exists(const char *path);
 /** Name of a file without folders and ending, in the arena; NULL when its memory ran out. */
 char *sg_file_stem(const char *path, sg_arena *arena);
+/** Path of a file that stands beside another one: `name` as seen from the folder of `path`. @return NULL: memory is out */
+char *sg_file_beside(const char *path, const char *name, sg_arena *arena);
 /** Is folder/NAMEending, NAME being name, no longer than the file system takes? */
 bool sg_file_name_fits(const char *folder, const char *name, const char *ending);
 bool sg_folder_exists(const char *path);

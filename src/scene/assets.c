@@ -54,17 +54,10 @@ bool sg_assets_has_file(const sg_assets *a, const char *path)
     return false;
 }
 
-static char *path_of(const char *grammar, const char *name, sg_arena *arena)
-{
-    const char *slash = strrchr(grammar, '/');
-    const size_t folder = name[0] != '/' && slash != NULL ? (size_t)(slash - grammar) + 1 : 0;
-    return sg_arena_printf(arena, "%.*s%s", (int)folder, grammar, name);
-}
-
 static sg_status load(sg_assets *a, const sg_grammar *g, const sg_rule *r, uint32_t name, const char *grammar,
                       sg_error *err)
 {
-    const char *path = path_of(grammar, sg_grammar_string(g, name), a->arena);
+    const char *path = sg_file_beside(grammar, sg_grammar_string(g, name), a->arena);
     if (path == NULL || !SG_GROW(a->items, a->capacity, a->n + 1))
         return SG_FAIL_NOMEM(err);
     if (!sg_file_exists(path))

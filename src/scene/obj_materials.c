@@ -4,10 +4,7 @@
 
 #include "scene/obj_priv.h"
 
-#include <locale.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* Three shares of 255, or one for all. Colours by spectra and in XYZ say nothing we could use. */
 static sg_status read_color(sg_obj_text *t, uint32_t *color)
@@ -53,30 +50,11 @@ static sg_status read_all(sg_obj_text *t, sg_obj *obj)
     return SG_OK;
 }
 
-/* The text ends in a NUL. Numbers have a point whatever the locale of the program is, in this thread alone. */
-static sg_status read_in_plain_locale(sg_obj_text *t, sg_obj *obj)
-{
-    const locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (plain == (locale_t)0)
-        return SG_FAIL_NOMEM(t->err);
-    const locale_t before = uselocale(plain);
-    const sg_status st = read_all(t, obj);
-    uselocale(before);
-    freelocale(plain);
-    return st;
-}
-
 sg_status sg_obj_parse_materials(const char *text, size_t length, const char *name, sg_obj *obj, sg_error *err)
 {
     sg_obj_text t;
-    char *copy = malloc(length + 1);
-    if (copy == NULL)
-        return SG_FAIL_NOMEM(err);
-    memcpy(copy, text, length);
-    copy[length] = '\0';
-    sg_status st = sg_obj_text_begin(&t, copy, length, name, err);
-    if (st == SG_OK)
-        st = read_in_plain_locale(&t, obj);
-    free(copy);
+    SG_TRY(sg_obj_text_open(&t, text, length, name, err));
+    const sg_status st = read_all(&t, obj);
+    sg_obj_text_close(&t);
     return st;
 }

@@ -6,12 +6,15 @@
 #include "grammar/source.h"
 #include "scene/obj_read.h"
 
+#include <locale.h>
 #include <stdbool.h>
 
-/** A place in a file that is read. The text ends in a NUL, and holds no other. */
+/** A place in a file that is read. The text is a copy that ends in a NUL, and holds no other. */
 typedef struct {
     sg_source source;
     size_t at;
+    char *copy;
+    locale_t plain, before; /* of numbers; what the thread had */
     sg_error *err;
 } sg_obj_text;
 
@@ -19,8 +22,10 @@ typedef struct {
     size_t at, length; /* in the text; length 0: the line has ended */
 } sg_obj_word;
 
-/** The text must be whole: no NUL in it. @return SG_OK, SG_EINPUT */
-sg_status sg_obj_text_begin(sg_obj_text *t, const char *text, size_t length, const char *name, sg_error *err);
+/** The text must be whole: no NUL in it. Until sg_obj_text_close() numbers have a point in this thread, whatever the locale
+ *  of the program is. @return SG_OK, SG_EINPUT, SG_ENOMEM; on failure there is nothing to close */
+sg_status sg_obj_text_open(sg_obj_text *t, const char *text, size_t length, const char *name, sg_error *err);
+void sg_obj_text_close(sg_obj_text *t);
 /** To the first word of the next line that has one. @return false at the end of the file */
 bool sg_obj_next_line(sg_obj_text *t);
 /** The next word of the line. A backslash at the end of a line continues it. */

@@ -7,7 +7,6 @@
 #include "core/array.h"
 #include "core/file.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,59 +235,23 @@ static sg_status read_all(reader *r)
     return SG_OK;
 }
 
-/* The text must end in a NUL, for which the caller's need not have room. */
-static char *with_end(const char *text, size_t length)
-{
-    char *copy = malloc(length + 1);
-    if (copy == NULL)
-        return NULL;
-    memcpy(copy, text, length);
-    copy[length] = '\0';
-    return copy;
-}
-
-/* Numbers have a point whatever the locale of the program is, in this thread alone. */
-static sg_status read_in_plain_locale(reader *r)
-{
-    const locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (plain == (locale_t)0)
-        return SG_FAIL_NOMEM(r->t.err);
-    const locale_t before = uselocale(plain);
-    const sg_status st = read_all(r);
-    uselocale(before);
-    freelocale(plain);
-    return st;
-}
-
 sg_status sg_obj_parse(const char *text, size_t length, const char *name, sg_obj *obj, sg_error *err)
 {
     reader r = {.obj = obj, .material = SG_NONE};
-    char *copy = with_end(text, length);
     memset(obj, 0, sizeof *obj);
-    if (copy == NULL)
-        return SG_FAIL_NOMEM(err);
-    sg_status st = sg_obj_text_begin(&r.t, copy, length, name, err);
-    if (st == SG_OK)
-        st = read_in_plain_locale(&r);
-    free(copy);
+    SG_TRY(sg_obj_text_open(&r.t, text, length, name, err));
+    const sg_status st = read_all(&r);
+    sg_obj_text_close(&r.t);
     if (st != SG_OK)
         sg_obj_clear(obj);
     return st;
-}
-
-/* Beside the mesh. */
-static char *library_path(const char *path, const char *name, sg_arena *arena)
-{
-    const char *slash = strrchr(path, '/');
-    const size_t folder = name[0] != '/' && slash != NULL ? (size_t)(slash - path) + 1 : 0;
-    return sg_arena_printf(arena, "%.*s%s", (int)folder, path, name);
 }
 
 static sg_status load_library(const char *text, size_t length, const char *path, sg_obj *obj, sg_obj_library *l,
                               sg_arena *arena, sg_error *err)
 {
     const sg_obj_text t = {.source = {.name = path, .text = text, .length = length}, .err = err};
-    char *library, *file = library_path(path, l->name, obj->arena);
+    char *library, *file = sg_file_beside(path, l->name, obj->arena);
     size_t n;
     if (file == NULL)
         return SG_FAIL_NOMEM(err);

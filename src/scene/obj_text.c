@@ -20,15 +20,40 @@ sg_status sg_obj_fail(const sg_obj_text *t, size_t at, const char *format, ...)
     return sg_source_fail(&t->source, (sg_pos){(uint32_t)at, 0}, t->err, "%s", sentence);
 }
 
-sg_status sg_obj_text_begin(sg_obj_text *t, const char *text, size_t length, const char *name, sg_error *err)
+static sg_status check_text(const sg_obj_text *t, const char *text, size_t length, const char *name, sg_error *err)
 {
-    *t = (sg_obj_text){.source = {.name = name, .text = text, .length = length}, .err = err};
     if (length > SG_OBJ_MAX_BYTES)
         return SG_FAIL(err, SG_EINPUT, "%.250s: larger than the %d bytes that a mesh may have", name, SG_OBJ_MAX_BYTES);
     const char *zero = memchr(text, '\0', length);
     if (zero != NULL)
         return sg_obj_fail(t, (size_t)(zero - text), "a byte 0: this is no text file");
     return SG_OK;
+}
+
+sg_status sg_obj_text_open(sg_obj_text *t, const char *text, size_t length, const char *name, sg_error *err)
+{
+    *t = (sg_obj_text){.source = {.name = name, .text = text, .length = length}, .err = err};
+    SG_TRY(check_text(t, text, length, name, err));
+    t->copy = malloc(length + 1);
+    t->plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    if (t->copy == NULL || t->plain == (locale_t)0) {
+        free(t->copy);
+        if (t->plain != (locale_t)0)
+            freelocale(t->plain);
+        return SG_FAIL_NOMEM(err);
+    }
+    memcpy(t->copy, text, length);
+    t->copy[length] = '\0';
+    t->source.text = t->copy;
+    t->before = uselocale(t->plain);
+    return SG_OK;
+}
+
+void sg_obj_text_close(sg_obj_text *t)
+{
+    uselocale(t->before);
+    freelocale(t->plain);
+    free(t->copy);
 }
 
 /* Length of what continues a line here, 0: nothing does. */

@@ -12,14 +12,6 @@ enum { MAX_CORNERS = SG_PRIMITIVE_CORNERS };
 
 /* ---- making them ---- */
 
-static double area_of(const double (*p)[2], size_t n)
-{
-    double sum = 0;
-    for (size_t i = 1; i + 1 < n; i++)
-        sum += sg_triangle_area(p[0], p[i], p[i + 1]) / 2;
-    return sum;
-}
-
 /* Is c beside the line from a to b, and on which side? Distances under a billionth are none. */
 static int side_of(const double *a, const double *b, const double *c, double small)
 {
@@ -47,7 +39,7 @@ static bool touch(const double *a, const double *b, const double *c, const doubl
 static bool is_simple(const double (*p)[2], size_t n, double extent)
 {
     const double small = 1e-9 * extent;
-    if (!(area_of(p, n) > small * extent))
+    if (!(sg_polygon_area(p, n) > small * extent))
         return false;
     for (size_t i = 0; i < n; i++) {
         const double *a = p[i], *b = p[(i + 1) % n], *c = p[(i + 2) % n];
@@ -104,7 +96,7 @@ sg_status sg_scene_make_polygon(sg_scene_body *b, const double *args, uint32_t n
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < 2; k++)
             p[i][k] = args[2 * i + (size_t)k] * face.size[k];
-    if (area_of((const double(*)[2])p, n) < 0)
+    if (sg_polygon_area((const double(*)[2])p, n) < 0)
         reverse(p, n);
     if (!fit(&face, (const double(*)[2])p, n))
         return sg_scene_fail(b, "the sides of a polygon cross or touch, or it has no area");

@@ -314,14 +314,6 @@ static bool trace_face(wave *w, int i)
     return f->ncorners >= 3;
 }
 
-static double area_of(const double (*p)[2], size_t n)
-{
-    double sum = 0;
-    for (size_t i = 1; i + 1 < n; i++)
-        sum += sg_triangle_area(p[0], p[i], p[i + 1]) / 2;
-    return sum;
-}
-
 /* Its area, or 0 when it is no simple polygon. */
 static double face_area(const sg_skeleton *s, const sg_skeleton_face *f)
 {
@@ -329,14 +321,14 @@ static double face_area(const sg_skeleton *s, const sg_skeleton_face *f)
     uint32_t triangles[SG_SKELETON_NODES][3], left[SG_SKELETON_NODES];
     for (size_t i = 0; i < f->ncorners; i++)
         memcpy(p[i], s->node[f->corner[i]], sizeof p[i]);
-    const double area = area_of((const double(*)[2])p, f->ncorners);
+    const double area = sg_polygon_area((const double(*)[2])p, f->ncorners);
     return area > 0 && sg_triangulate((const double(*)[2])p, f->ncorners, triangles, left) ? area : 0;
 }
 
 static bool make_faces(wave *w, const double (*p)[2])
 {
     double sum = 0;
-    const double whole = area_of(p, w->n);
+    const double whole = sg_polygon_area(p, w->n);
     for (size_t i = 0; i < w->n; i++) {
         if (!trace_face(w, (int)i))
             return false;
@@ -381,7 +373,7 @@ static bool begin(wave *w, const double (*p)[2])
         if (v->stuck)
             return false;
     }
-    return area_of(p, w->n) > 0;
+    return sg_polygon_area(p, w->n) > 0;
 }
 
 bool sg_skeleton_find(const double (*p)[2], size_t n, sg_skeleton *s)

@@ -3,11 +3,10 @@
 #include "config.h"
 
 #include "image/cv_drawing.h"
-#include "scene/tree_picture.h"
+#include "scene/tree_picture_priv.h"
 
 #include <gsl/gsl_math.h>
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 static const double MAX_SIDE = 16384, MAX_PIXELS = 64e6;
@@ -88,15 +87,10 @@ static sg_status paint_beside(painting *w, const sg_tree_mark *m)
     return SG_OK;
 }
 
-static bool is_dark(uint32_t color)
-{
-    return 299 * (color >> 16 & 255) + 587 * (color >> 8 & 255) + 114 * (color & 255) < 128000;
-}
-
 static sg_status paint_mark(painting *w, const sg_tree_mark *m)
 {
     const double left = m->x - (double)m->columns * SG_TREE_ADVANCE * SG_TREE_LETTER_PX / 2;
-    const uint32_t color = m->shape == SG_TREE_ELIDED ? GREY : is_dark(m->fill) ? 0xffffff : 0;
+    const uint32_t color = m->shape == SG_TREE_ELIDED ? GREY : sg_tree_is_dark(m->fill) ? 0xffffff : 0;
     double y = m->y - m->height / 2 + SG_TREE_BOX_PX / 2;
     for (const char *line = m->text; *line != '\0'; y += SG_TREE_BOX_PX) {
         const size_t n = strcspn(line, "\n");

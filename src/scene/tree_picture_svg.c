@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tree_picture_svg.c - drawn trees as scalable vector graphics. Texts have their length said, so that they fit whatever
  * font there is. */
-#include "scene/tree_picture.h"
+#include "scene/tree_picture_priv.h"
 
 #include "core/markup.h"
 
@@ -36,11 +36,6 @@ static void put_beside(FILE *out, const sg_tree_mark *m)
     }
 }
 
-static int is_dark(uint32_t color)
-{
-    return 299 * (color >> 16 & 255) + 587 * (color >> 8 & 255) + 114 * (color & 255) < 128000;
-}
-
 static void put_box(FILE *out, const sg_tree_mark *m, const char *text, size_t n, double y)
 {
     const double high = SG_TREE_BOX_PX / 2, width = (double)columns_of(text, n) * SG_TREE_ADVANCE * SG_TREE_LETTER_PX;
@@ -49,7 +44,7 @@ static void put_box(FILE *out, const sg_tree_mark *m, const char *text, size_t n
                 "<rect x=\"%.6g\" y=\"%.6g\" width=\"%.6g\" height=\"%.6g\" rx=\"%.6g\" fill=\"#%06x\" stroke=\"#303030\"/>\n",
                 m->x - m->width / 2, y - high, m->width, 2 * high, m->shape == SG_TREE_NONTERMINAL ? high : 0, (unsigned)m->fill);
     put_text(out, text, n, columns_of(text, n), m->x - width / 2, y, SG_TREE_LETTER_PX,
-             m->shape == SG_TREE_ELIDED ? " fill=\"#606060\"" : is_dark(m->fill) ? " fill=\"#ffffff\"" : "");
+             m->shape == SG_TREE_ELIDED ? " fill=\"#606060\"" : sg_tree_is_dark(m->fill) ? " fill=\"#ffffff\"" : "");
 }
 
 static void put_mark(FILE *out, const sg_tree_mark *m)

@@ -28,15 +28,18 @@ static void add(words *w, const char *format, ...)
         w->n = w->n + (size_t)n < sizeof w->text ? w->n + (size_t)n : sizeof w->text - 1;
 }
 
-/* Not in the middle of a letter of several bytes. */
+/* Where a text that is longer may be cut: not in the middle of a letter of several bytes. */
+static size_t cut_at(const char *text, size_t end)
+{
+    while (end > 0 && ((unsigned char)text[end] & 0xC0) == 0x80)
+        end--;
+    return end;
+}
+
 static const char *one_line(sg_arena *arena, words *w)
 {
-    if (w->n > MAX_TEXT) {
-        size_t end = MAX_TEXT - 3;
-        while (end > 0 && ((unsigned char)w->text[end] & 0xC0) == 0x80)
-            end--;
-        strcpy(w->text + end, "...");
-    }
+    if (w->n > MAX_TEXT)
+        strcpy(w->text + cut_at(w->text, MAX_TEXT - 3), "...");
     return sg_arena_string(arena, w->text);
 }
 
@@ -102,6 +105,15 @@ static void add_sizes(words *w, const double *value, uint32_t n)
         add(w, " (%u more)", (unsigned)(n - SHOWN));
 }
 
+static void add_value(words *w, const char *name, double value)
+{
+    enum { LONGEST = 24 };
+    if (name == NULL)
+        add(w, "\n~ %.4g", value);
+    else
+        add(w, "\n%.*s = %.4g", (int)(strlen(name) > LONGEST ? cut_at(name, LONGEST) : LONGEST), name, value);
+}
+
 static void add_draws(words *w, const sg_rule *r, const double *values)
 {
     size_t lines = 1;
@@ -116,8 +128,7 @@ static void add_draws(words *w, const sg_rule *r, const double *values)
             add_sizes(w, values + draw->first_value, draw->nvalues);
             lines += 3;
         } else {
-            add(w, "\n%.24s%s %.4g", draw->name != NULL ? draw->name : "", draw->name != NULL ? " =" : "~",
-                values[draw->first_value]);
+            add_value(w, draw->name, values[draw->first_value]);
             lines++;
         }
     }

@@ -9,6 +9,14 @@ double sg_triangle_area(const double *a, const double *b, const double *c)
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
+double sg_polygon_area(const double (*p)[2], size_t n)
+{
+    double sum = 0;
+    for (size_t i = 1; i + 1 < n; i++)
+        sum += sg_triangle_area(p[0], p[i], p[i + 1]) / 2;
+    return sum;
+}
+
 bool sg_polygon_convex(const double (*p)[2], size_t n)
 {
     for (size_t i = 0; i < n; i++)

@@ -10,6 +10,9 @@
 /** Twice the signed area of a triangle; positive: counterclockwise. */
 double sg_triangle_area(const double *a, const double *b, const double *c);
 
+/** Signed area of a polygon that is simple; positive: counterclockwise. */
+double sg_polygon_area(const double (*p)[2], size_t n);
+
 /** Does each corner of a counterclockwise polygon turn left? */
 bool sg_polygon_convex(const double (*p)[2], size_t n);
 

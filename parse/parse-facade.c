@@ -124,19 +124,11 @@ static bool take_formats(const char *arg, unsigned *formats)
     for (int k = 0; k < SG_FACADE_FORMATS; k++)
         names[k] = sg_facade_format_name(k);
     names[SG_FACADE_FORMATS] = "all";
-    *formats = 0;
-    for (const char *p = arg;;) {
-        const size_t length = strcspn(p, ",");
-        char word[32];
-        int which;
-        snprintf(word, sizeof word, "%.*s", (int)(length < 31 ? length : 31), p);
-        if (!sg_program_choice("--formats", word, names, &which))
-            return false;
-        *formats |= which == SG_FACADE_FORMATS ? (unsigned)SG_FACADE_ALL : 1U << which;
-        if (p[length] == '\0')
-            return true;
-        p += length + 1;
-    }
+    if (!sg_program_choices("--formats", arg, names, formats))
+        return false;
+    if (*formats & 1U << SG_FACADE_FORMATS)
+        *formats = SG_FACADE_ALL;
+    return true;
 }
 
 /* --hard, --hard=P, or --hard P: a number that follows is taken for P. */

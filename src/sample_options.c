@@ -87,19 +87,12 @@ static bool parse_formats(const char *arg, unsigned *formats)
 {
     static const char *const names[] = {"labels", "rgb", "svg", "lat", "json", "sheet", "obj", "derivation",
                                         "render", "tree", "gltf", "all", NULL};
-    *formats = 0;
-    for (const char *p = arg;;) {
-        const size_t length = strcspn(p, ",");
-        char word[32];
-        int which;
-        snprintf(word, sizeof word, "%.*s", (int)(length < 31 ? length : 31), p);
-        if (!sg_program_choice("--formats", word, names, &which))
-            return false;
-        *formats |= which == 11 ? SAMPLE_ALL_LABELS : 1U << which;
-        if (p[length] == '\0')
-            return true;
-        p += length + 1;
-    }
+    if (!sg_program_choices("--formats", arg, names, formats))
+        return false;
+    const unsigned all = 1U << 11; /* its place among the names */
+    if (*formats & all)
+        *formats = (*formats & ~all) | SAMPLE_ALL_LABELS;
+    return true;
 }
 
 enum { OPT_SIZE = SG_OPT_OWN, OPT_FORMATS, OPT_SHEET, OPT_DATASET, OPT_NAME, OPT_MAX_NODES, OPT_SCOPE, OPT_DETAIL,

@@ -156,6 +156,24 @@ bool sg_program_choice(const char *option, const char *arg, const char *const *c
     return false;
 }
 
+bool sg_program_choices(const char *option, const char *arg, const char *const *choices, unsigned *out)
+{
+    enum { LONGEST = 31 };
+    *out = 0;
+    for (const char *p = arg;; p++) {
+        const size_t length = strcspn(p, ",");
+        char word[LONGEST + 1];
+        int which;
+        snprintf(word, sizeof word, "%.*s", (int)(length < LONGEST ? length : LONGEST), p);
+        if (!sg_program_choice(option, word, choices, &which))
+            return false;
+        *out |= 1U << which;
+        p += length;
+        if (*p == '\0')
+            return true;
+    }
+}
+
 static void print_version(void)
 {
     printf("%s (shapegram) %s\nLicence GPL-3.0-or-later: free software, without any warranty.\n", program_name,

@@ -56,6 +56,8 @@ bool sg_program_size(const char *option, const char *arg, size_t low, size_t hig
 bool sg_program_double(const char *option, const char *arg, double low, double high, double *out);
 /** Index of arg in a NULL-terminated list; complains with the list and returns false when it is not in it. */
 bool sg_program_choice(const char *option, const char *arg, const char *const *choices, int *out);
+/** Several of them, with commas between: out has bit i for each choices[i]. */
+bool sg_program_choices(const char *option, const char *arg, const char *const *choices, unsigned *out);
 
 /** No run overwrites its input: SG_EINVAL when an output is the same file as one of n inputs (NULL: none). */
 sg_status sg_program_spare(const char *output, const char *const *inputs, size_t n, sg_error *err);

@@ -104,10 +104,11 @@ static void row_range(const edge *e, int64_t width, int64_t *from, int64_t *to)
     }
 }
 
+/* Whole pixels. What is below 0 is moved above it first, where division rounds down and is a shift. */
 static int64_t floor_fine(int64_t x)
 {
-    const int64_t past = (x % SG_RASTER_FINE + SG_RASTER_FINE) % SG_RASTER_FINE;
-    return (x - past) / SG_RASTER_FINE;
+    const uint64_t above = UINT64_C(1) << 40;
+    return (int64_t)(((uint64_t)x + above) / SG_RASTER_FINE) - (int64_t)(above / SG_RASTER_FINE);
 }
 
 static int64_t least3(int64_t a, int64_t b, int64_t c)
@@ -198,6 +199,13 @@ void sg_raster_triangle(sg_raster *r, const sg_raster_vertex *a, const sg_raster
     }
 }
 
+/* Of a number within 2^29: above 0 the conversion rounds down. lround() is a call, and this is done for each vertex. */
+static int32_t nearest(double x)
+{
+    const int32_t above = 1 << 29;
+    return (int32_t)(x + 0.5 + above) - above;
+}
+
 sg_raster_vertex sg_raster_place(const sg_raster_job *j, const double *at)
 {
     const sg_camera *c = j->camera;
@@ -206,8 +214,7 @@ sg_raster_vertex sg_raster_place(const sg_raster_job *j, const double *at)
     const double y = (1 - at[1] / (c->half[1] * w)) * (double)j->raster->height / 2 - j->offset[1];
     if (!(at[2] >= c->near) || !(fabs(x) <= SG_RASTER_GUARD) || !(fabs(y) <= SG_RASTER_GUARD))
         return (sg_raster_vertex){SG_RASTER_OUTSIDE, 0, 0};
-    return (sg_raster_vertex){(int32_t)lround(x * SG_RASTER_FINE), (int32_t)lround(y * SG_RASTER_FINE),
-                              sg_camera_key(c, at[2])};
+    return (sg_raster_vertex){nearest(x * SG_RASTER_FINE), nearest(y * SG_RASTER_FINE), sg_camera_key(c, at[2])};
 }
 
 static void draw_triangle(const sg_raster_job *j, const sg_mesh *m, uint32_t index)

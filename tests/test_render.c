@@ -71,6 +71,17 @@ START_TEST(a_plane_sees_all_of_the_sky)
 }
 END_TEST
 
+/* Points that look down on what lies below, as in a mirror: for light from there comes less often, and as much. */
+static void turn_over(test_mesh *m, double (*at)[3], double (*normal)[3], size_t n)
+{
+    for (size_t i = 0; i < m->mesh.nvertices; i++)
+        m->vertices[i][1] *= -1;
+    for (size_t i = 0; i < n; i++) {
+        at[i][1] *= -1;
+        normal[i][1] *= -1;
+    }
+}
+
 /* A wall of height h beside a floor, long as it is, hides (1 - d / sqrt(d^2 + h^2)) / 2 of the light of an even sky from a
  * point at the distance d (Siegel and Howell, Thermal Radiation Heat Transfer, configuration factors: an element and a
  * plane at a right angle to it). */
@@ -84,6 +95,8 @@ START_TEST(a_wall_hides_its_share_of_the_sky)
     test_mesh *m = test_mesh_create(0xffffff);
     add_floor(m, 5);
     test_mesh_add(m, wall, 4);
+    if (_i == 1)
+        turn_over(m, at, normal, 4);
     const double lift = sg_shadow_map_lift(lights.sky_side) * sg_ball_of(&m->mesh).radius; /* points stand that high */
     sg_light_point p[4];
     gather(&m->mesh, &lights, (const double(*)[3])at, (const double(*)[3])normal, 4, 500, 0, p);
@@ -92,6 +105,21 @@ START_TEST(a_wall_hides_its_share_of_the_sky)
         ck_assert_double_eq_tol((double)(p[k].open / p[k].whole), 1 - hidden, 0.02);
         ck_assert(k == 0 || p[k].open > p[k - 1].open);
     }
+    free(m);
+}
+END_TEST
+
+/* A face that stands upright on a wide floor loses the light from below, which is what the ground sends back. */
+START_TEST(a_floor_hides_the_light_of_the_ground)
+{
+    sg_lights lights = SG_LIGHTS_INIT;
+    const double at[1][3] = {{-49, 1, 0}}, normal[1][3] = {{1, 0, 0}}, luma[3] = {0.2126, 0.7152, 0.0722};
+    test_mesh *m = test_mesh_create(0xffffff);
+    add_floor(m, 50);
+    sg_light_point p;
+    gather(&m->mesh, &lights, at, normal, 1, 2000, 0, &p);
+    const double sky = sg_vec_dot(luma, lights.sky), ground = sg_vec_dot(luma, lights.ground);
+    ck_assert_double_eq_tol((double)(p.open / p.whole), sky / (sky + ground), 0.02);
     free(m);
 }
 END_TEST
@@ -287,6 +315,26 @@ START_TEST(fronts_are_lit)
 }
 END_TEST
 
+/* A sheet is the same from both sides, when the sun stands on the side of the camera. */
+START_TEST(sheets_have_two_sides)
+{
+    sg_view view = SG_VIEW_INIT;
+    sg_render_opts opts = SG_RENDER_OPTS_INIT;
+    opts.ground = false;
+    int seen[2];
+    for (int side = 0; side < 2; side++) {
+        view.azimuth = 180 * side;
+        opts.sun_azimuth = 20;
+        sg_image im = picture("start S\nrule S -> translate(-1, 0, 0) size(2, 2, 0) set_material(#808080) insert(box)\n", 60, 60,
+                              &view, &opts);
+        seen[side] = brightness(&im, 30, 30);
+        sg_image_clear(&im);
+    }
+    ck_assert_int_gt(seen[0], 300); /* it is in the sun */
+    ck_assert_int_le(abs(seen[0] - seen[1]), 6);
+}
+END_TEST
+
 static const char plant[] =
     "limit depth 5\nstart T(1)\nrule T(l) -> width(l / 8) draw(l) [ turn(40) set_material(#808020) T(l * 0.7) ] roll(90) "
     "pitch(20) T(l * 0.8)\nrule T(l) at limit -> size(0.1, 0.1, 0) set_material(#208020) insert(box)\n";
@@ -408,13 +456,15 @@ int main(void)
     Suite *suite = suite_create("render");
     TCase *light = tcase_create("light"), *pictures = tcase_create("pictures");
     tcase_add_loop_test(light, a_plane_sees_all_of_the_sky, 0, 8);
-    tcase_add_test(light, a_wall_hides_its_share_of_the_sky);
+    tcase_add_loop_test(light, a_wall_hides_its_share_of_the_sky, 0, 2);
+    tcase_add_test(light, a_floor_hides_the_light_of_the_ground);
     tcase_add_test(light, open_light_is_that_of_the_hemispheres);
     tcase_add_test(light, colours_survive_linear_light);
     tcase_add_loop_test(pictures, edges_are_as_dark_as_they_cover, 0, 17);
     tcase_add_loop_test(pictures, thin_twigs_do_not_vanish, 0, 6);
     tcase_add_test(pictures, boxes_throw_shadows);
     tcase_add_test(pictures, fronts_are_lit);
+    tcase_add_test(pictures, sheets_have_two_sides);
     tcase_add_loop_test(pictures, pictures_do_not_depend_on_threads, 0, 4);
     tcase_add_test(pictures, threads_draw_the_same_bytes);
     tcase_add_test(pictures, empty_scenes_and_odd_sizes_have_pictures);

@@ -236,6 +236,33 @@ START_TEST(failures_leave_nothing)
 }
 END_TEST
 
+/* Operations that follow each other stand on each other, a dozen at most. */
+START_TEST(stacks_of_operations_are_not_high)
+{
+    fixture f = draw("start S\nrule S -> move(1) move(2) move(3) move(4) move(5) move(6) move(7) move(8) move(9) move(10) move(11) "
+                     "move(12) move(13)\n",
+                     1, (sg_tree_picture_opts)SG_TREE_PICTURE_OPTS_INIT);
+    ck_assert_uint_eq(f.p.n, 3);
+    ck_assert_uint_eq(f.p.marks[1].lines, 12);
+    ck_assert_str_eq(f.p.marks[2].text, "move(13)");
+    close_fixture(&f);
+}
+END_TEST
+
+/* What stands in a repeat that is repeated counts as often as it is placed. */
+START_TEST(statistics_count_nested_repeats)
+{
+    sg_error err = SG_ERROR_INIT;
+    fixture f = draw("start S\nrule S -> repeat y 3 { move(1) repeat x 2 { draw(1) } }\n", 1,
+                     (sg_tree_picture_opts)SG_TREE_PICTURE_OPTS_INIT);
+    sg_derivation_statistics s;
+    ck_ok(sg_derivation_statistics_of(&f.d, &s, &err));
+    ck_assert_uint_eq(s.nonterminals, 1);
+    ck_assert_uint_eq(s.terminals, 3 + 3 * 2);
+    close_fixture(&f);
+}
+END_TEST
+
 /* Counts by hand. */
 START_TEST(statistics_count_symbols_and_parameters)
 {
@@ -267,6 +294,8 @@ int main(void)
     Suite *suite = suite_create("tree_picture");
     TCase *tc = tcase_create("tree_picture");
     tcase_add_test(tc, long_names_are_cut_between_letters);
+    tcase_add_test(tc, stacks_of_operations_are_not_high);
+    tcase_add_test(tc, statistics_count_nested_repeats);
     tcase_add_loop_test(tc, all_of_a_derivation_is_drawn, 0, 20);
     tcase_add_loop_test(tc, a_part_says_what_it_leaves_out, 0, 45);
     tcase_add_loop_test(tc, marks_say_what_they_should, 0, 8);

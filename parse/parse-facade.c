@@ -491,7 +491,8 @@ static sg_status spare_inputs(const job *j, sg_error *err)
     for (size_t i = 0; i < n; i++) {
         const sg_facade_photo *p = &j->photos.items[i];
         for (int k = 0; k < SG_FACADE_FORMATS; k++)
-            if (((o->formats | SG_FACADE_OWN) >> k & 1) && (outputs[nout++] = output_path(j, p->name, sg_facade_format_ending(k))) == NULL)
+            if (((o->formats | SG_FACADE_OWN) >> k & 1) &&
+                (outputs[nout++] = output_path(j, p->name, sg_facade_format_ending(k))) == NULL)
                 return SG_FAIL_NOMEM(err);
         inputs[nin++] = p->image;
         inputs[nin++] = p->probabilities;

@@ -173,8 +173,8 @@ static sg_status get_classes(sg_byte_reader *c, sg_pixel_classifier *to, sg_erro
 
 static sg_status get_forest(sg_byte_reader *c, sg_forest *f, sg_error *err)
 {
-    const size_t nfeatures = sg_bytes_get_u32(c), nclasses = sg_bytes_get_u32(c), ntrees = sg_bytes_get_u32(c), nnodes = sg_bytes_get_u32(c),
-                 nleaves = sg_bytes_get_u32(c);
+    const size_t nfeatures = sg_bytes_get_u32(c), nclasses = sg_bytes_get_u32(c), ntrees = sg_bytes_get_u32(c);
+    const size_t nnodes = sg_bytes_get_u32(c), nleaves = sg_bytes_get_u32(c);
     /* 32-bit sizes: neither product nor sum overflows 64 bits, and nothing is allocated that the file cannot fill */
     if (c->failed || nclasses > SG_MAX_CLASSES || left(c) != 4 * (ntrees + 1 + 3 * nnodes + nleaves * nclasses))
         return no_sense(err, "tables of other sizes than it says");

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* build_check.c - what only the whole grammar can tell: probabilities, unreachable and unproductive symbols. */
+/* build_check.c - what only the whole grammar can tell: probabilities, unreachable and unproductive symbols; and the list of
+ * warnings. */
 #include "config.h"
 
 #include "grammar/build_priv.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -223,4 +226,24 @@ sg_status sg_build_check(sg_builder *b)
             SG_TRY(check_weights(b, &b->symbols[s]));
     SG_TRY(check_reachable(b));
     return sg_build_check_productive(b);
+}
+
+/* ---- warnings ---- */
+
+sg_status sg_build_warn(sg_builder *b, sg_pos at, const char *format, ...)
+{
+    char sentence[480], message[1024];
+    for (size_t i = 0; i < b->nwarnings; i++) /* one example for a place is enough */
+        if (b->warned_at[i].offset == at.offset)
+            return SG_OK;
+    if (b->nwarnings >= SG_MAX_WARNINGS)
+        return SG_OK;
+    va_list ap;
+    va_start(ap, format);
+    vsnprintf(sentence, sizeof sentence, format, ap);
+    va_end(ap);
+    sg_source_warning(b->source, at, message, sizeof message, sentence);
+    b->warned_at[b->nwarnings] = at;
+    b->warnings[b->nwarnings] = sg_arena_string(b->arena, message);
+    return b->warnings[b->nwarnings] != NULL ? (b->nwarnings++, SG_OK) : sg_build_fail_nomem(b);
 }

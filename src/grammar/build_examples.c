@@ -6,7 +6,6 @@
  * have been seen. So nothing is warned of that does not happen, and what takes long to happen is left to the run. */
 #include "config.h"
 
-#include "core/array.h"
 #include "grammar/build_range_priv.h"
 #include "grammar/distribution_priv.h"
 #include "grammar/shape_ops.h"
@@ -14,7 +13,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_NODES = 2000, MAX_WORK = 100000 /* operations */, TABLE = 8192 };
@@ -350,24 +348,4 @@ sg_status sg_build_try_examples(sg_builder *b, const sg_grammar *g, sg_arena *ar
     if (x->frame == NULL || x->uniforms == NULL)
         return sg_build_fail_nomem(b);
     return try_all(x);
-}
-
-/* ---- warnings ---- */
-
-sg_status sg_build_warn(sg_builder *b, sg_pos at, const char *format, ...)
-{
-    char sentence[480], message[1024];
-    for (size_t i = 0; i < b->nwarnings; i++) /* one example for a place is enough */
-        if (b->warned_at[i].offset == at.offset)
-            return SG_OK;
-    if (b->nwarnings >= SG_MAX_WARNINGS)
-        return SG_OK;
-    va_list ap;
-    va_start(ap, format);
-    vsnprintf(sentence, sizeof sentence, format, ap);
-    va_end(ap);
-    sg_source_warning(b->source, at, message, sizeof message, sentence);
-    b->warned_at[b->nwarnings] = at;
-    b->warnings[b->nwarnings] = sg_arena_string(b->arena, message);
-    return b->warnings[b->nwarnings] != NULL ? (b->nwarnings++, SG_OK) : sg_build_fail_nomem(b);
 }

@@ -377,16 +377,16 @@ static sg_status count_outside(const job *j, sg_error *err)
                                   outside, j->opts->lattices[first], hint);
 }
 
-static sg_status spare_inputs(const options *o, const char *output, sg_error *err)
+static sg_status spare_inputs(const options *o, const sg_grammar *g, const char *output, sg_error *err)
 {
-    SG_TRY(sg_program_spare(output, &o->grammar, 1, err));
+    SG_TRY(sg_program_spare_grammar(output, o->grammar, g, err));
     return sg_program_spare(output, (const char *const *)o->lattices, o->nlattices, err);
 }
 
 static sg_status run(job *j, const sg_grammar *g, sg_error *err)
 {
-    SG_TRY(spare_inputs(j->opts, j->opts->output, err));
-    SG_TRY(spare_inputs(j->opts, j->opts->common.json, err));
+    SG_TRY(spare_inputs(j->opts, g, j->opts->output, err));
+    SG_TRY(spare_inputs(j->opts, g, j->opts->common.json, err));
     SG_TRY(sg_split_form_of(g, j->arena, &j->form, err));
     if (j->opts->untied)
         j->form.tied = false;

@@ -132,7 +132,7 @@ int main(int argc, char **argv)
     sg_grammar *g = NULL;
     sg_status st = sg_program_load_grammar(o.grammar, &g, &err);
     if (st == SG_OK)
-        st = sg_program_spare(o.output, &o.grammar, 1, &err);
+        st = sg_program_spare_grammar(o.output, o.grammar, g, &err);
     if (st == SG_OK)
         st = print(&o, g, &err);
     sg_grammar_free(g);

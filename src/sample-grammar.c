@@ -154,6 +154,17 @@ static sg_status sample_all(sample_job *j, sg_error *err)
     return sg_progress_stopped(&progress) ? SG_STOPPED : SG_OK;
 }
 
+/* Grammars of models in space need not have labels; what then cannot be written is said with the grammar's name. */
+static sg_status find_classes(sample_job *j, sg_error *err)
+{
+    sg_error inner = SG_ERROR_INIT;
+    const sg_status st = sg_label_classes(j->g, &j->classes, j->value_of, &inner);
+    if (st == SG_OK || st == SG_ENOMEM)
+        return st == SG_OK ? st : SG_FAIL_NOMEM(err);
+    return SG_FAIL(err, st, "%s: %.800s%s", j->opts->grammar, inner.msg,
+                   j->opts->in_space ? "; obj, gltf, render, tree and derivation are formats of models in space" : "");
+}
+
 static sg_status job_open(sample_job *j, sg_error *err)
 {
     j->nsymbols = sg_grammar_symbol_count(j->g);
@@ -173,7 +184,7 @@ static sg_status job_open(sample_job *j, sg_error *err)
         return SG_FAIL_NOMEM(err);
     SG_TRY(sample_read_pins(j, err));
     if (sample_wants_labels(j->opts))
-        SG_TRY(sg_label_classes(j->g, &j->classes, j->value_of, err));
+        SG_TRY(find_classes(j, err));
     j->share = calloc(j->n * j->classes.nclasses + 1, sizeof *j->share);
     return j->share != NULL ? SG_OK : SG_FAIL_NOMEM(err);
 }
@@ -209,10 +220,14 @@ static sg_status run(const sample_options *o, const sg_grammar *g, sg_error *err
     sg_status st = sg_program_apart(o->table, &o->common.json, 1, err);
     if (st == SG_OK)
         st = load_stored(&j, err);
-    if (st == SG_OK && sample_wants_space(o))
+    if (st == SG_OK && (sample_wants_space(o) || sample_counts(o)))
         st = sg_assets_load(g, o->grammar, &j.assets, err);
     if (st == SG_OK)
         st = job_open(&j, err);
+    if (st == SG_OK && o->common.json != NULL) /* before the work and not behind it */
+        st = sample_check_not_input(&j, o->common.json, err);
+    if (st == SG_OK && o->table != NULL)
+        st = sample_check_not_input(&j, o->table, err);
     if (st == SG_OK)
         st = sample_make_folders(&j, err);
     if (st == SG_OK)

@@ -66,6 +66,8 @@ static inline bool sample_wants_space(const sample_options *o)
     return (o->formats & (SAMPLE_OBJ | SAMPLE_GLTF | SAMPLE_RENDER | (o->in_space ? (unsigned)SAMPLE_SHEET : 0))) != 0;
 }
 
+/** How primitives become faces, with the meshes that were read. */
+sg_mesh_opts sample_mesh_opts(const sample_job *j);
 /** Never what is read: -o may name the folder it stands in. @return SG_OK, SG_EINVAL */
 sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error *err);
 /** The folder, those in it, and the class table. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
@@ -77,7 +79,7 @@ sg_status sample_write(const sample_job *j, sample_worker *w, size_t i, sg_error
 void sample_plan_sheet(sample_job *j);
 /** @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
 sg_status sample_write_sheet(sample_job *j, sg_error *err);
-/** What --json asks for. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
+/** What --json asks for. @return SG_OK, SG_EIO, SG_ENOMEM */
 sg_status sample_write_report(const sample_job *j, sg_error *err);
 
 /* Pins. */
@@ -93,7 +95,7 @@ void sample_warn_of_pins(const sample_job *j);
 sg_status sample_count(sample_job *j, sample_worker *w, size_t i, sg_error *err);
 /** Those that are done, together: after an interrupt some may be missing. @param models  [n of j] out. @return how many */
 size_t sample_done_models(const sample_job *j, sg_model_statistics *models);
-/** What --stats and --table ask for. @return SG_OK, SG_EINVAL, SG_EIO, SG_ENOMEM */
+/** What --stats and --table ask for. @return SG_OK, SG_EIO, SG_ENOMEM */
 sg_status sample_write_statistics(const sample_job *j, sg_error *err);
 
 #endif

@@ -53,22 +53,40 @@ static bool parse_pair(const char *option, const char *arg, size_t high, size_t 
     return false;
 }
 
+/* N numbers with a separator between; "0x1" is no hexadecimal one but two, 0 and 1. */
+static bool parse_numbers(const char *arg, char separator, size_t n, double low, double high, double *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        char word[64], *end;
+        const size_t length = strcspn(arg, (const char[]){separator, '\0'});
+        if (length == 0 || length >= sizeof word || strspn(arg, "0123456789+-.eE") < length)
+            return false;
+        memcpy(word, arg, length);
+        word[length] = '\0';
+        out[i] = strtod(word, &end) + 0.0; /* -0 becomes 0 */
+        if (*end != '\0' || !(out[i] >= low && out[i] <= high) || arg[length] != (i + 1 < n ? separator : '\0'))
+            return false;
+        arg += length + 1;
+    }
+    return true;
+}
+
 static bool parse_scope(const char *arg, double *size)
 {
-    char end;
-    if (sscanf(arg, "%lfx%lfx%lf%c", size, size + 1, size + 2, &end) == 3 && size[0] >= 0 && size[1] >= 0 && size[2] >= 0 &&
-        size[0] <= 1e9 && size[1] <= 1e9 && size[2] <= 1e9)
+    if (parse_numbers(arg, 'x', 3, 0, 1e9, size))
         return true;
-    sg_program_usage("--scope: '%s' is no size as in 10x8.5x0", arg);
+    sg_program_usage("--scope: '%s' is no size of three numbers from 0 to 1e9, as in 10x8.5x0", arg);
     return false;
 }
 
 static bool parse_view(const char *arg, sg_view *view)
 {
-    char end;
-    if (sscanf(arg, "%lf,%lf%c", &view->azimuth, &view->elevation, &end) == 2 && view->azimuth >= -360 && view->azimuth <= 360 &&
-        view->elevation >= -90 && view->elevation <= 90)
+    double angles[2];
+    if (parse_numbers(arg, ',', 2, -360, 360, angles) && angles[1] >= -90 && angles[1] <= 90) {
+        view->azimuth = angles[0];
+        view->elevation = angles[1];
         return true;
+    }
     sg_program_usage("--view: '%s' is no azimuth from -360 to 360 and elevation from -90 to 90, as in 35,18", arg);
     return false;
 }

@@ -22,10 +22,12 @@ static bool is_input(const char *input, const char *output)
 
 sg_status sample_check_not_input(const sample_job *j, const char *path, sg_error *err)
 {
-    const bool grammar = is_input(j->opts->grammar, path);
+    bool grammar = is_input(j->opts->grammar, path);
+    for (size_t i = 0; i < sg_grammar_import_count(j->g) && !grammar; i++)
+        grammar = is_input(sg_grammar_import(j->g, i), path);
     if (grammar || is_input(j->opts->from, path))
         return SG_FAIL(err, SG_EINVAL, "%s: %s read; choose another folder or --name", path,
-                       grammar ? "this is the grammar that is" : "these are the derivations that are");
+                       grammar ? "this is a grammar that is" : "these are the derivations that are");
     if (j->assets != NULL && sg_assets_has_file(j->assets, path))
         return SG_FAIL(err, SG_EINVAL, "%s: this mesh, or its materials, is read; choose another folder or --name", path);
     return SG_OK;
@@ -100,7 +102,7 @@ static sg_status print_derivation(const sample_job *j, sample_worker *w, FILE *f
     return SG_OK;
 }
 
-static sg_mesh_opts mesh_opts(const sample_job *j)
+sg_mesh_opts sample_mesh_opts(const sample_job *j)
 {
     sg_mesh_opts mesh = SG_MESH_OPTS_INIT;
     mesh.detail = (unsigned)j->opts->detail;
@@ -110,7 +112,7 @@ static sg_mesh_opts mesh_opts(const sample_job *j)
 
 static sg_status make_mesh(const sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
-    const sg_mesh_opts mesh = mesh_opts(j);
+    const sg_mesh_opts mesh = sample_mesh_opts(j);
     sg_scene_opts scene = SG_SCENE_OPTS_INIT;
     memcpy(scene.size, j->opts->scope, sizeof scene.size);
     SG_TRY(sg_scene_interpret(&w->d, &scene, &w->space, err));
@@ -139,7 +141,7 @@ static sg_status render(const sample_job *j, sample_worker *w, size_t i, size_t 
                         sg_error *err)
 {
     enum { SMALL = 20000 /* faces */ };
-    sg_mesh_opts mesh = mesh_opts(j);
+    sg_mesh_opts mesh = sample_mesh_opts(j);
     sg_render_opts opts = SG_RENDER_OPTS_INIT;
     opts.threads = j->render_threads;
     mesh.radial *= j->stats[i].faces < SMALL ? 2 : 1; /* what is small can afford to be round */

@@ -92,7 +92,6 @@ sg_status sample_write_report(const sample_job *j, sg_error *err)
 {
     if (j->opts->common.json == NULL)
         return SG_OK;
-    SG_TRY(sample_check_not_input(j, j->opts->common.json, err));
     json_t *report = report_json(j);
     if (report == NULL)
         return SG_FAIL_NOMEM(err);

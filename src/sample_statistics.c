@@ -12,9 +12,8 @@
 sg_status sample_count(sample_job *j, sample_worker *w, size_t i, sg_error *err)
 {
     sg_scene_opts scene = SG_SCENE_OPTS_INIT;
-    sg_mesh_opts mesh = SG_MESH_OPTS_INIT;
+    const sg_mesh_opts mesh = sample_mesh_opts(j);
     memcpy(scene.size, j->opts->scope, sizeof scene.size);
-    mesh.detail = (unsigned)j->opts->detail;
     return sg_model_statistics_of(&w->d, &scene, &mesh, &w->space, &w->mesh, j->models + i, err);
 }
 
@@ -53,7 +52,6 @@ sg_status sample_write_statistics(const sample_job *j, sg_error *err)
     if (j->opts->table == NULL)
         return SG_OK;
     sg_output out;
-    SG_TRY(sample_check_not_input(j, j->opts->table, err));
     SG_TRY(sg_output_open(&out, j->opts->table, err));
     return sg_output_end(&out, print_models(j, false, out.fp, err), err);
 }

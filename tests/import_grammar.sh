@@ -136,5 +136,14 @@ refuse 'import A "sub/inner.sg" import A "sub/inner.sg" start A' "bad.sg:1:32: e
 refuse 'import A "sub/inner.sg" label A start A' "'A' is defined here as well"
 printf '{"format":"shapegram-grammar","version":1}' >sub/e.json
 refuse 'import A "sub/e.json" start A' 'sub/e.json:1:1: error: '
+
+# What is imported is read, and no output.
+cp sub/facade.sg facade.kept
+expect 2 print-grammar street.sg -o sub/facade.sg
+says err 'sub/facade.sg: this is read'
+expect 2 sample-grammar street.sg --table sub/facade.sg
+says err 'sub/facade.sg: this is a grammar that is read'
+expect 2 sample-grammar street.sg --stats --json ./sub/../sub/facade.sg
+same sub/facade.sg facade.kept
 [ $failures -eq 0 ] || exit 1
 echo "imports are read"

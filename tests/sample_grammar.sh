@@ -87,13 +87,14 @@ for i in 1 2 3; do
     [ "$(head -c 4 "$work/m7/p-000$i.glb")" = glTF ] || fail "no glTF"
 done
 cmp -s "$work/m.json" "$work/m7.json" || fail "glTF changes the report"
-# Mesh files stand beside the grammar; they are read only where meshes are written, and never overwritten.
+# Mesh files stand beside the grammar; they are read only where meshes are written or counted, and never overwritten.
 mkdir "$work/mesh"
 printf 'label t\nstart S\nrule S -> size(2, 2, 2) insert("parts/tent.obj")\n' >"$work/mesh/g.sg"
 expect 3 "$sample" "$work/mesh/g.sg" -o "$work/m9" --formats obj
 grep -q "mesh/g.sg:3: error: insert(parts/tent.obj): there is no mesh file $work/mesh/parts/tent.obj" "$work/err" ||
     fail "no place of the insert"
 [ ! -e "$work/m9" ] || fail "a missing mesh leaves a folder"
+expect 3 "$sample" "$work/mesh/g.sg" --stats
 expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m9" --formats derivation
 mkdir "$work/mesh/parts"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 9\n' >"$work/mesh/parts/tent.obj"
@@ -102,14 +103,22 @@ grep -q 'parts/tent.obj:8:7: error: ' "$work/err" || fail "no place of the fault
 sed -i 's/3 9/3 4/' "$work/mesh/parts/tent.obj"
 expect 0 "$sample" "$work/mesh/g.sg" -o "$work/m10" --name y --formats gltf,obj
 [ "$(grep -c '^f ' "$work/m10/y-0001.obj")" -eq 4 ] || fail "the mesh that is inserted has not four faces"
+expect 0 "$sample" "$work/mesh/g.sg" --table -
+[ "$(awk -F'\t' '$1 == "mean" { print $11, $12 }' "$work/out")" = "4 4" ] || fail "the table counts another mesh than is written"
 cp "$work/mesh/parts/tent.obj" "$work/mesh/parts/x-0001.obj"
 sed -i 's/tent/x-0001/' "$work/mesh/g.sg"
 expect 2 "$sample" "$work/mesh/g.sg" -o "$work/mesh/parts" --name x --formats obj
 cmp -s "$work/mesh/parts/tent.obj" "$work/mesh/parts/x-0001.obj" || fail "a mesh that is read was overwritten"
-for bad in "--scope 1x1" "--scope 1x-1x1" "--scope 1x1xnan" "--scope 1x1x1x" "--detail 16"; do
+for bad in "--scope 1x1" "--scope 1x-1x1" "--scope 1x1xnan" "--scope 1x1x1x" "--scope 0x10x5x2" "--scope 1xx1" "--scope 0x1p3x1" "--detail 16"; do
     # shellcheck disable=SC2086
     expect 2 "$sample" "$work/plant.sg" -o "$work/m6" --formats obj $bad
 done
+expect 3 "$sample" "$grammars/street.sg" -o "$work/m6" --formats json
+grep -q 'street.sg: the grammar has 0 labels.*; obj, gltf' "$work/err" || fail "no word of what can be written of it"
+# 20x0x10 is a flat lot, and no hexadecimal number.
+printf 'start A\nrule A -> extrude(3) insert(box)\n' >"$work/lot.sg"
+expect 0 "$sample" "$work/lot.sg" -o "$work/lot" --formats obj --scope 20x0x10
+grep -q '^v 20 3 10' "$work/lot/"*.obj || fail "no box of 20 by 3 by 10"
 
 # Pictures of models in space: what is written when nothing is said, the same bytes for any number of threads, views.
 png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'; }
@@ -137,7 +146,7 @@ expect 0 "$sample" "$work/empty.sg" -o "$work/r5" --name empty --size 1x1
 [ "$(png_size "$work/r5/empty-0001.render.png")" = 1x1 ] || fail "an empty model has no picture"
 expect 0 "$sample" "$grammars/haussmann.sg" -o "$work/r6" --size 60x80 --scope 15x20x0 --formats render,sheet
 cmp -s "$work/r6/sheet.png" "$work/r6/haussmann-0001.render.png" && fail "the sheet of a label scene is no label map"
-for bad in "--view 35" "--view 35,91" "--view 400,0" "--view x,y" "--view 1,2,3" "--view nan,0" "--projection flat"; do
+for bad in "--view 35" "--view 35,91" "--view 400,0" "--view x,y" "--view 1,2,3" "--view nan,0" "--view 0x1,0" "--projection flat"; do
     # shellcheck disable=SC2086
     expect 2 "$sample" "$work/plant.sg" -o "$work/m6" $bad
 done

@@ -340,6 +340,8 @@ static sg_status finish(sg_builder *b, sg_grammar **out)
     g->ast = b->ast;
     g->name = b->ast->name != NULL ? b->ast->name : "grammar";
     g->source = sg_arena_string(b->arena, b->source->name);
+    g->imported = b->source->parts;
+    g->nimported = b->source->nparts;
     g->symbols = KEEP(b->symbols, b->nsymbols);
     g->rules = KEEP(b->rules, b->nrules);
     g->codes = KEEP(b->codes, b->ncodes);

@@ -113,6 +113,16 @@ const char *sg_grammar_source(const sg_grammar *g)
     return g->source;
 }
 
+size_t sg_grammar_import_count(const sg_grammar *g)
+{
+    return g->nimported;
+}
+
+const char *sg_grammar_import(const sg_grammar *g, size_t i)
+{
+    return g->imported[i].name;
+}
+
 size_t sg_grammar_symbol_count(const sg_grammar *g)
 {
     return g->nsymbols;

@@ -127,6 +127,9 @@ sg_status sg_grammar_print_dot(const sg_grammar *g, FILE *out, sg_error *err);
 const char *sg_grammar_name(const sg_grammar *g);
 /** The file that it was read from, or what stands for one in messages. */
 const char *sg_grammar_source(const sg_grammar *g);
+/** Paths of the files that it imports, and that these import; one that is imported twice stands there twice. */
+size_t sg_grammar_import_count(const sg_grammar *g);
+const char *sg_grammar_import(const sg_grammar *g, size_t i);
 size_t sg_grammar_symbol_count(const sg_grammar *g);
 size_t sg_grammar_rule_count(const sg_grammar *g); /* completion rules included */
 const sg_symbol *sg_grammar_symbol(const sg_grammar *g, sg_sym s);

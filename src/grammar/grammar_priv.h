@@ -7,6 +7,7 @@
 #include "grammar/ast.h"
 #include "grammar/grammar.h"
 #include "grammar/names.h"
+#include "grammar/source.h"
 
 /** An operand of code: where a value stands. The upper two bits say in which array, the others the index. */
 typedef uint32_t sg_operand;
@@ -39,6 +40,8 @@ struct sg_grammar {
     sg_ast *ast;     /* for the printer */
     const char *name;
     const char *source; /* name of the file, for messages */
+    const sg_source_part *imported; /* files whose texts belong to it too */
+    size_t nimported;
     sg_symbol *symbols;
     size_t nsymbols;
     sg_rule *rules;

@@ -8,4 +8,7 @@
 /** sg_grammar_load(), and the grammar's warnings on standard error. */
 sg_status sg_program_load_grammar(const char *path, sg_grammar **out, sg_error *err);
 
+/** sg_program_spare() for the grammar's file and all that it imports. */
+sg_status sg_program_spare_grammar(const char *output, const char *path, const sg_grammar *g, sg_error *err);
+
 #endif

@@ -120,8 +120,13 @@ static void run_worker(sample_job *j, sg_progress *progress, size_t *ndone)
             continue;
         if (!good)
             err.code = SG_FAIL_NOMEM(&err);
-        else if (make_sample(j, &w, i, &err) == SG_ENOMEM)
-            SG_FAIL_NOMEM(&err);
+        else {
+            const sg_status st = make_sample(j, &w, i, &err);
+            if (st == SG_STOPPED)
+                continue;
+            if (st == SG_ENOMEM)
+                SG_FAIL_NOMEM(&err);
+        }
         if (err.code != SG_OK)
             note_failure(j, i, &err);
 #pragma omp critical(sample_progress)
@@ -142,6 +147,7 @@ static void share_threads(sample_job *j)
 static sg_status sample_all(sample_job *j, sg_error *err)
 {
     sg_progress progress = sg_program_progress(&j->opts->common);
+    j->progress = &progress;
     size_t ndone = 0;
     share_threads(j);
 #pragma omp parallel num_threads(j->workers)

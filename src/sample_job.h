@@ -40,6 +40,7 @@ typedef struct {
     size_t nthumbs, thumb_width, thumb_height;
     size_t failed; /* lowest sample that failed, n: none */
     sg_error err;  /* its sentence */
+    sg_progress *progress; /* while samples are made */
 } sample_job;
 
 /** Work space of one thread. */

@@ -144,6 +144,7 @@ static sg_status render(const sample_job *j, sample_worker *w, size_t i, size_t 
     sg_mesh_opts mesh = sample_mesh_opts(j);
     sg_render_opts opts = SG_RENDER_OPTS_INIT;
     opts.threads = j->render_threads;
+    opts.progress = j->progress;
     mesh.radial *= j->stats[i].faces < SMALL ? 2 : 1; /* what is small can afford to be round */
     SG_TRY(sg_image_create(width, height, im, err));
     const sg_status st = sg_render_scene(&w->space, &mesh, &j->opts->view, &opts, &w->mesh, im, err);

@@ -84,6 +84,7 @@ static const struct {
     {"v 0 0 0\nf 1 0 1\n", "x.obj:2:5: error: there is 1 vertex so far, and no number 0"},
     {"v 0 0 0\nf 1 -2 1\n", "x.obj:2:5: error: there is 1 vertex so far, and no number -2"},
     {"v 0 0 0\nf 1 99999999999999999999999 1\n", "x.obj:2:5: error: there is 1 vertex so far"},
+    {"f 1 2 3\n", "x.obj:1:3: error: there are 0 vertices so far, and no number 1"},
     {"v 0 0 0\nf 1/1 1 1\n", "x.obj:2:5: error: there are 0 texture coordinates so far"},
     {"v 0 0 0\nf 1//1 1 1\n", "x.obj:2:6: error: there are 0 normals"},
     {"v 0 0 0\nf 1/ 1 1\n", "x.obj:2:5: error: expected the number of a texture coordinate"},

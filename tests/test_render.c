@@ -192,7 +192,7 @@ static double share_below(double x, double y, double a, double b, double c)
 START_TEST(edges_are_as_dark_as_they_cover)
 {
     sg_error err = SG_ERROR_INIT;
-    sg_render_opts opts = {64, 0, 0, 0, 45, 0xffffff, false, 1};
+    sg_render_opts opts = {64, 0, 0, 0, 45, 0xffffff, false, 1, NULL};
     const double t = 0.1 + 0.37 * _i, a = cos(t), b = sin(t);
     const sg_camera c = {.frame = SG_FRAME_INIT, .half = {10, 10}, .scale = 1, .projection = SG_PROJECTION_ORTHOGRAPHIC};
     /* In the picture a (x - 10) + b (y - 10) < 0.3, with y down; 1 px is a unit. */
@@ -413,9 +413,9 @@ END_TEST
 
 START_TEST(options_out_of_range_are_refused)
 {
-    const sg_render_opts good = {256, 0, 0, 0, 0, 0, true, 1},
-                         bad[] = {{0, 1, 1, 0, 0, 0, true, 1}, {257, 1, 1, 0, 0, 0, true, 1},
-                                  {1, 1025, 1, 0, 0, 0, true, 1}, {1, 1, 1025, 0, 0, 0, true, 1}};
+    const sg_render_opts good = {256, 0, 0, 0, 0, 0, true, 1, NULL},
+                         bad[] = {{0, 1, 1, 0, 0, 0, true, 1, NULL}, {257, 1, 1, 0, 0, 0, true, 1, NULL},
+                                  {1, 1025, 1, 0, 0, 0, true, 1, NULL}, {1, 1, 1025, 0, 0, 0, true, 1, NULL}};
     const sg_view view = SG_VIEW_INIT;
     sg_error err = SG_ERROR_INIT;
     test_scene f = test_scene_of(plant);
@@ -424,6 +424,30 @@ START_TEST(options_out_of_range_are_refused)
     for (int i = 0; i < 4; i++)
         ck_assert_int_eq(draw(&f.scene, &view, bad + i, &im, &err), SG_EINVAL);
     ck_ok(draw(&f.scene, &view, &good, &im, &err));
+    sg_image_clear(&im);
+    test_close_scene(&f);
+}
+END_TEST
+
+static bool stop_at_once(sg_progress *self)
+{
+    ++*(size_t *)self->user;
+    return true;
+}
+
+START_TEST(drawing_can_be_stopped)
+{
+    size_t asked = 0;
+    sg_progress progress = {.stop = stop_at_once, .user = &asked};
+    const sg_view view = SG_VIEW_INIT;
+    sg_render_opts opts = SG_RENDER_OPTS_INIT;
+    sg_error err = SG_ERROR_INIT;
+    test_scene f = test_scene_of(plant);
+    sg_image im;
+    opts.progress = &progress;
+    ck_ok(sg_image_create(4, 4, &im, &err));
+    ck_assert_int_eq(draw(&f.scene, &view, &opts, &im, &err), SG_STOPPED);
+    ck_assert_uint_ge(asked, 1);
     sg_image_clear(&im);
     test_close_scene(&f);
 }
@@ -469,6 +493,7 @@ int main(void)
     tcase_add_test(pictures, threads_draw_the_same_bytes);
     tcase_add_test(pictures, empty_scenes_and_odd_sizes_have_pictures);
     tcase_add_test(pictures, options_out_of_range_are_refused);
+    tcase_add_test(pictures, drawing_can_be_stopped);
     tcase_add_test(pictures, every_allocation_may_fail);
     suite_add_tcase(suite, light);
     suite_add_tcase(suite, pictures);

@@ -103,7 +103,8 @@ static sg_status read_uv(reader *r)
 /* ---- faces ---- */
 
 /* A number from 1, or from -1 backwards, of the n there are so far. */
-static sg_status read_index(reader *r, size_t *at, size_t end, size_t n, const char *what, uint32_t *out)
+static sg_status read_index(reader *r, size_t *at, size_t end, size_t n, const char *what, const char *plural,
+                            uint32_t *out)
 {
     const char *text = r->t.source.text;
     const size_t first = *at;
@@ -115,8 +116,8 @@ static sg_status read_index(reader *r, size_t *at, size_t end, size_t n, const c
     if (digits == 0)
         return sg_obj_fail(&r->t, first, "expected the number of a %s", what);
     if (value == 0 || value > n)
-        return sg_obj_fail(&r->t, first, "there %s %zu %s%s so far, and no number %.*s", n == 1 ? "is" : "are", n, what,
-                           n == 1 ? "" : "s", (int)(*at - first < 20 ? *at - first : 20), text + first);
+        return sg_obj_fail(&r->t, first, "there %s %zu %s so far, and no number %.*s", n == 1 ? "is" : "are", n,
+                           n == 1 ? what : plural, (int)(*at - first < 20 ? *at - first : 20), text + first);
     *out = (uint32_t)(negative ? n - value : value - 1);
     return SG_OK;
 }
@@ -128,14 +129,14 @@ static sg_status read_corner(reader *r, sg_obj_word w, sg_mesh_corner *c)
     const size_t end = w.at + w.length;
     size_t at = w.at;
     c->normal = c->uv = SG_NONE;
-    SG_TRY(read_index(r, &at, end, r->obj->nvertices, "vertex", &c->vertex));
+    SG_TRY(read_index(r, &at, end, r->obj->nvertices, "vertex", "vertices", &c->vertex));
     if (at < end && text[at] == '/') {
         at++;
         if (at == end || text[at] != '/')
-            SG_TRY(read_index(r, &at, end, r->obj->nuvs, "texture coordinate", &c->uv));
+            SG_TRY(read_index(r, &at, end, r->obj->nuvs, "texture coordinate", "texture coordinates", &c->uv));
         if (at < end && text[at] == '/') {
             at++;
-            SG_TRY(read_index(r, &at, end, r->obj->nnormals, "normal", &c->normal));
+            SG_TRY(read_index(r, &at, end, r->obj->nnormals, "normal", "normals", &c->normal));
         }
     }
     return at == end ? SG_OK : sg_obj_fail(&r->t, at, "expected a blank behind the corner");

@@ -169,7 +169,9 @@ static sg_status add_pictures(painter *p)
         const sg_status opened = open_easel(p, &e);
 #pragma omp for ordered schedule(dynamic, 1)
         for (size_t s = 0; s < p->opts->samples; s++) {
-            const sg_status drawn = opened != SG_OK ? opened : draw_picture(p, s, &e);
+            const sg_status drawn = opened != SG_OK                          ? opened
+                                    : sg_progress_stopped(p->opts->progress) ? SG_STOPPED
+                                                                             : draw_picture(p, s, &e);
 #pragma omp ordered
             {
                 if (st == SG_OK && drawn == SG_OK)

@@ -6,6 +6,7 @@
 #ifndef SG_SCENE_RENDER_H
 #define SG_SCENE_RENDER_H
 
+#include "core/progress.h"
 #include "image/image.h"
 #include "scene/light.h"
 #include "scene/scene.h"
@@ -19,14 +20,15 @@ typedef struct {
     uint32_t background; /* 0xRRGGBB, of the ground too */
     bool ground;         /* is there ground that catches shadows, at the lowest point of the mesh? */
     int threads;         /* that may draw at once; the picture does not depend on it; less than 1: one */
+    sg_progress *progress; /* asked before each sample whether to stop, by any thread; NULL: nobody is */
 } sg_render_opts;
 
-#define SG_RENDER_OPTS_INIT {16, 10, 2, 60, 45, 0xf4f4f2, true, 1}
+#define SG_RENDER_OPTS_INIT {16, 10, 2, 60, 45, 0xf4f4f2, true, 1, NULL}
 
 /** Draw a mesh into a picture, of the size that it has. Directions of light become fewer when very many triangles are in
  *  its way.
  *  @param casts  what hides the light: a coarser mesh of the same scene, or NULL: the mesh itself
- *  @return SG_OK, SG_EINVAL (options out of range), SG_ENUMERIC (2^31 faces), SG_ENOMEM
+ *  @return SG_OK, SG_EINVAL (options out of range), SG_ENUMERIC (2^31 faces), SG_ENOMEM, SG_STOPPED
  *  O(samples (sky + sun) (faces + pixels)) time; 12 bytes a pixel beside the picture, and for each thread about 52 and
  *  10 MB: large pictures have no more threads than 1 GB allows */
 sg_status sg_render_mesh(const sg_mesh *mesh, const sg_mesh *casts, const sg_camera *camera, const sg_render_opts *opts,

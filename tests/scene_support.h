@@ -15,11 +15,11 @@ typedef struct {
     sg_scene_opts opts;
 } test_scene;
 
-/** Bit for bit. */
-static inline bool test_same_primitives(const sg_primitive *a, const sg_primitive *b, size_t n)
+/** Are all primitives of a scene those of another from `first` on, bit for bit? */
+static inline bool test_same_primitives(const sg_scene *a, const sg_scene *b, size_t first)
 {
-    for (size_t i = 0; i < n; i++)
-        if (!sg_primitive_equal(a + i, b + i))
+    for (size_t i = 0; i < a->n; i++)
+        if (!sg_primitive_equal(a, a->items + i, b, b->items + first + i))
             return false;
     return true;
 }

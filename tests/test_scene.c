@@ -20,6 +20,15 @@ static void check_point(const sg_primitive *p, double a, double b, double c, dou
                   "(%g, %g, %g), not (%g, %g, %g)", at[0], at[1], at[2], x, y, z);
 }
 
+static void check_corner(const test_scene *f, const sg_primitive *p, size_t k, double along, double x, double y, double z)
+{
+    const double(*c)[2] = sg_primitive_corners(&f->scene, p);
+    if (c == NULL || k >= p->ncorners)
+        ck_abort_msg("it has no such corner");
+    else
+        check_point(p, c[k][0], c[k][1], along, x, y, z);
+}
+
 static void check_segment(const test_scene *f, size_t i, const double *from, const double *to)
 {
     const sg_primitive *p = item(f, i, SG_PRIMITIVE_SEGMENT);
@@ -86,7 +95,8 @@ START_TEST(scopes_are_moved_turned_and_sized)
     const sg_primitive *p = item(&f, 0, SG_PRIMITIVE_POLYGON); /* depth 0 */
     check_point(p, 1, 0, 0, 1, 2, 2);
     check_point(p, 0, 1, 0, 1, 3, 3);
-    ck_assert(p->ncorners == 4 && p->corner[2][0] == 2 && p->corner[2][1] == 6);
+    ck_assert_uint_eq(p->ncorners, 4);
+    check_corner(&f, p, 2, 0, 1, 8, 1);
     p = item(&f, 2, SG_PRIMITIVE_BOX);
     check_point(p, 0, 0, 1, 2, 2, 3);
     ck_assert(p->size[0] == 1 && p->size[1] == 2 && p->size[2] == 3);
@@ -210,16 +220,16 @@ START_TEST(roofs_stand_on_faces_and_tops)
     ck_assert_uint_eq(f.scene.n, 6);
     const sg_primitive *p = item(&f, 0, SG_PRIMITIVE_PRISM);
     ck_assert(p->ncorners == 3 && p->size[0] == 4 && p->size[2] == 6);
-    check_point(p, p->corner[2][0], p->corner[2][1], 0, 0, 4, 2); /* the ridge, over the long side */
-    check_point(p, p->corner[2][0], p->corner[2][1], 6, 6, 4, 2);
+    check_corner(&f, p, 2, 0, 0, 4, 2); /* the ridge, over the long side */
+    check_corner(&f, p, 2, 6, 6, 4, 2);
     p = item(&f, 1, SG_PRIMITIVE_HIP);
     check_point(p, 3, 3, 3, 2, 5, 2); /* ends of the ridge: half a width from the ends of the roof */
     check_point(p, 3, 3, 5, 4, 5, 2);
     check_point(item(&f, 2, SG_PRIMITIVE_POLYGON), 6, 4, 0, 6, 2, 0);
     check_point(item(&f, 3, SG_PRIMITIVE_BOX), 6, 4, 0.5, 6, 2.5, 0);
     p = item(&f, 4, SG_PRIMITIVE_PRISM); /* on a face that looks along z */
-    check_point(p, p->corner[2][0], p->corner[2][1], 0, 2, 6, 2);
-    check_point(p, p->corner[2][0], p->corner[2][1], 6, 2, 0, 2);
+    check_corner(&f, p, 2, 0, 2, 6, 2);
+    check_corner(&f, p, 2, 6, 2, 0, 2);
     item(&f, 5, SG_PRIMITIVE_POLYGON);
     test_close_scene(&f);
 }
@@ -316,7 +326,7 @@ static void check_slice(const test_scene *f, const sg_scene_states *whole, size_
     sg_scene_states inner = {0};
     test_must_ok(sg_scene_interpret_slice(&f->d, p->node, &p->state, &f->opts, &part, &inner, &err));
     test_must(part.n == end_of(&f->scene, whole, i) - p->first);
-    test_must(test_same_primitives(part.items, f->scene.items + p->first, part.n));
+    test_must(test_same_primitives(&part, &f->scene, p->first));
     test_must(inner.n == p->length && inner.places[0].parent == 0);
     for (size_t k = 0; k < inner.n; k++) {
         const sg_scene_place *a = inner.places + k, *b = p + k;
@@ -350,7 +360,7 @@ START_TEST(the_whole_is_the_concatenation_of_slices)
         const sg_scene_state first = sg_scene_first_state(&f.opts);
         ck_ok(sg_scene_interpret_slice(&f.d, 0, &first, &f.opts, &again, &states, &err));
         ck_assert_uint_eq(again.n, f.scene.n);
-        test_must(test_same_primitives(again.items, f.scene.items, again.n));
+        test_must(test_same_primitives(&again, &f.scene, 0));
         for (size_t i = 0; i < f.scene.n; i++)
             check_primitive(&f, f.scene.items + i);
         const size_t step = 1 + states.n / 50;
@@ -372,12 +382,11 @@ static void patch(const test_scene *f, const sg_scene_states *states, size_t nod
         if (i < states->n && states->places[i].node != node)
             continue;
         const size_t stop = i < states->n ? states->places[i].first : f->scene.n;
-        test_must(SG_GROW(out->items, out->capacity, out->n + stop - at + 1));
-        for (; at < stop; at++) {
-            sg_primitive *p = out->items + out->n++;
-            *p = f->scene.items[at];
-            p->node = p->node > node ? (uint32_t)((ptrdiff_t)p->node + grown) : p->node;
-        }
+        const size_t begin = out->n;
+        test_must_ok(sg_scene_append(out, &f->scene, at, stop - at, &err));
+        for (size_t k = begin; k < out->n; k++)
+            if (out->items[k].node > node)
+                out->items[k].node = (uint32_t)((ptrdiff_t)out->items[k].node + grown);
         if (i == states->n)
             break;
         at = end_of(&f->scene, states, i);
@@ -407,7 +416,7 @@ START_TEST(a_splice_changes_its_slices_alone)
             if (sg_scene_interpret(&f.d, &f.opts, &fresh, NULL) == SG_OK) {
                 patch(&f, &states, node, (ptrdiff_t)f.d.nnodes - (ptrdiff_t)before, &patched);
                 test_must(patched.n == fresh.n);
-                test_must(test_same_primitives(patched.items, fresh.items, fresh.n));
+                test_must(test_same_primitives(&patched, &fresh, 0));
             }
         }
         sg_derivation_clear(&slice);

@@ -105,13 +105,13 @@ static void put_hip(const sg_primitive *p, solid *s)
 }
 
 /* The faces of the skeleton, lifted, over the polygon. */
-static bool put_polygon_hip(const sg_primitive *p, solid *s)
+static bool put_polygon_hip(const sg_primitive *p, const double (*corners)[2], solid *s)
 {
     sg_skeleton k;
-    if (!sg_skeleton_find((const double(*)[2])p->corner, p->ncorners, &k))
+    if (!sg_skeleton_find(corners, p->ncorners, &k))
         return false;
     if (p->radius[1] > 0)
-        sg_skeleton_raise_gables((const double(*)[2])p->corner, p->ncorners, &k);
+        sg_skeleton_raise_gables(corners, p->ncorners, &k);
     for (size_t i = 0; i < k.nnodes; i++)
         put_point(s, k.node[i][0], k.node[i][1], k.node[i][2] * p->radius[0]);
     put_range(s, 0, p->ncorners, true);
@@ -120,7 +120,7 @@ static bool put_polygon_hip(const sg_primitive *p, solid *s)
     return true;
 }
 
-static bool put_solid(const sg_primitive *p, solid *s)
+static bool put_solid(const sg_primitive *p, const double (*corners)[2], solid *s)
 {
     const bool flat = p->kind == SG_PRIMITIVE_POLYGON || p->kind == SG_PRIMITIVE_LABEL;
     const bool thin[3] = {sg_mesh_thin(p, p->size[0]), sg_mesh_thin(p, p->size[1]), sg_mesh_thin(p, p->size[2])};
@@ -128,11 +128,11 @@ static bool put_solid(const sg_primitive *p, solid *s)
     if (thin[0] || thin[1] || (!flat && thin[2]))
         return false;
     if (p->kind == SG_PRIMITIVE_HIP && p->ncorners > 0)
-        return put_polygon_hip(p, s);
+        return put_polygon_hip(p, corners, s);
     if (p->kind == SG_PRIMITIVE_HIP)
         put_hip(p, s);
     else if (p->kind == SG_PRIMITIVE_PRISM || p->kind == SG_PRIMITIVE_POLYGON)
-        put_prism(s, p->corner, (uint8_t)p->ncorners, flat ? 0 : p->size[2]);
+        put_prism(s, corners, (uint8_t)p->ncorners, flat ? 0 : p->size[2]);
     else
         put_rectangle(s, p->size, flat ? 0 : p->size[2]);
     return true;
@@ -167,7 +167,7 @@ sg_status sg_mesh_add_flat(sg_mesh_builder *b, const sg_primitive *p)
 {
     solid s;
     uint32_t group;
-    if (!put_solid(p, &s))
+    if (!put_solid(p, sg_primitive_corners(b->scene, p), &s))
         return SG_OK;
     SG_TRY(sg_mesh_group_of(b, p, &group));
     SG_TRY(sg_mesh_reserve(b, s.nvertices, s.nfaces, 4 * s.nfaces, s.nfaces));

@@ -20,6 +20,7 @@ static void free_work(struct sg_scene_work *w)
 void sg_scene_clear(sg_scene *scene)
 {
     free(scene->items);
+    free(scene->corners);
     free_work(scene->work);
     *scene = (sg_scene){0};
 }
@@ -30,10 +31,34 @@ void sg_scene_states_clear(sg_scene_states *states)
     *states = (sg_scene_states){0};
 }
 
-bool sg_primitive_equal(const sg_primitive *a, const sg_primitive *b)
+bool sg_primitive_equal(const sg_scene *scene, const sg_primitive *p, const sg_scene *other, const sg_primitive *q)
 {
-    return memcmp(a, b, offsetof(sg_primitive, corner)) == 0 &&
-           memcmp(a->corner, b->corner, a->ncorners * sizeof a->corner[0]) == 0;
+    return memcmp(p, q, offsetof(sg_primitive, corner)) == 0 &&
+           (p->ncorners == 0 || memcmp(sg_primitive_corners(scene, p), sg_primitive_corners(other, q),
+                                       p->ncorners * sizeof scene->corners[0]) == 0);
+}
+
+sg_status sg_scene_put(sg_scene *scene, const sg_primitive *p, const double (*corners)[2], sg_error *err)
+{
+    if (!SG_GROW(scene->items, scene->capacity, scene->n + 1) ||
+        (p->ncorners > 0 && !SG_GROW(scene->corners, scene->corners_capacity, scene->ncorners + p->ncorners)))
+        return SG_FAIL_NOMEM(err);
+    sg_primitive *to = scene->items + scene->n++;
+    *to = *p;
+    to->corner = 0;
+    if (p->ncorners == 0)
+        return SG_OK;
+    to->corner = scene->ncorners;
+    memcpy(scene->corners + scene->ncorners, corners, p->ncorners * sizeof *corners);
+    scene->ncorners += p->ncorners;
+    return SG_OK;
+}
+
+sg_status sg_scene_append(sg_scene *to, const sg_scene *from, size_t first, size_t n, sg_error *err)
+{
+    for (size_t i = first; i < first + n; i++)
+        SG_TRY(sg_scene_put(to, from->items + i, sg_primitive_corners(from, from->items + i), err));
+    return SG_OK;
 }
 
 bool sg_scene_state_equal(const sg_scene_state *a, const sg_scene_state *b)
@@ -142,12 +167,13 @@ sg_status sg_scene_interpret_slice(const sg_derivation *d, size_t node, const sg
         return SG_FAIL(err, SG_EINVAL, "node %zu of a derivation of %zu nodes", node, d->nnodes);
     if (scene->work == NULL && (scene->work = calloc(1, sizeof *scene->work)) == NULL)
         return SG_FAIL_NOMEM(err);
-    const size_t mark = scene->n, places = states != NULL ? states->n : 0;
+    const size_t mark = scene->n, corners = scene->ncorners, places = states != NULL ? states->n : 0;
     scene->grammar = d->grammar;
     sg_scene_body b = {.d = d, .node = node, .scene = scene, .limit = opts->max_places, .nplaced = 1, .err = err};
     const sg_status st = walk(&b, state, states);
     if (st != SG_OK) {
         scene->n = mark;
+        scene->ncorners = corners;
         if (states != NULL)
             states->n = places;
     }
@@ -157,7 +183,7 @@ sg_status sg_scene_interpret_slice(const sg_derivation *d, size_t node, const sg
 sg_status sg_scene_interpret(const sg_derivation *d, const sg_scene_opts *opts, sg_scene *scene, sg_error *err)
 {
     const sg_scene_state state = sg_scene_first_state(opts);
-    scene->n = 0;
+    scene->n = scene->ncorners = 0;
     return sg_scene_interpret_slice(d, 0, &state, opts, scene, NULL, err);
 }
 

@@ -30,12 +30,12 @@ typedef enum {
     SG_PRIMITIVE_CYLINDER, /* fills size, axis along y (elliptic where x and z differ); radius[] are shares of the half
                               extents at bottom and top: {1, 1} a cylinder, {1, 0} a cone */
     SG_PRIMITIVE_SPHERE,   /* ellipsoid that fills size */
-    SG_PRIMITIVE_PRISM,    /* the polygon corner[] in x and y, extruded along z by size[2] */
+    SG_PRIMITIVE_PRISM,    /* the polygon of its corners in x and y, extruded along z by size[2] */
     SG_PRIMITIVE_HIP, /* hip roof over size[0] by size[2] with size[2] >= size[0], size[1] high: the ridge runs along z,
                          size[0] / 2 from both ends; a pyramid when it has no length. With corners: over the polygon
-                         corner[] in x and y, which has a straight skeleton (skeleton.h); it rises along z, radius[0] for
+                         of its corners in x and y, which has a straight skeleton (skeleton.h); it rises along z, radius[0] for
                          each unit of distance from an edge, to size[2]; with radius[1] its ends are gables */
-    SG_PRIMITIVE_POLYGON, /* corner[], at z = 0, looks along z */
+    SG_PRIMITIVE_POLYGON, /* its corners, at z = 0, looks along z */
     SG_PRIMITIVE_LABEL,   /* a label's rectangle, size[0] by size[1], at z = 0, looks along z */
     SG_PRIMITIVE_MESH,    /* the mesh named `mesh`, scaled to fill size */
     SG_PRIMITIVE_COUNT,
@@ -43,9 +43,9 @@ typedef enum {
 
 enum { SG_PRIMITIVE_CORNERS = 12 };
 
-/** Convex, but for meshes, and where corner[] turns to the right somewhere: those polygons are simple. Fields that a kind
- *  has no use for are 0; corners beyond ncorners are not set, so that primitives without any cost no more than they hold:
- *  copy and compare with the functions below. */
+/** Convex, but for meshes, and where its corners turn to the right somewhere: those polygons are simple. Fields that a kind
+ *  has no use for are 0. Corners stand in the scene, so that the many primitives without any are small; sg_primitive_corners()
+ *  gives them, sg_scene_append() takes primitives to another scene. */
 typedef struct {
     sg_frame frame;
     double size[3];
@@ -55,7 +55,7 @@ typedef struct {
     sg_sym label;      /* SG_NONE, or a symbol of kind SG_SYMBOL_LABEL */
     uint32_t node;     /* of the derivation, whose body made it */
     uint32_t mesh;     /* for sg_grammar_string() */
-    double corner[SG_PRIMITIVE_CORNERS][2]; /* counterclockwise */
+    size_t corner;     /* the first one, in the scene; 0 when there is none */
 } sg_primitive;
 
 /** What a body inherits. */
@@ -73,13 +73,6 @@ typedef struct {
                                                counterclockwise, from side to side; not set beyond ncorners */
 } sg_scene_state;
 
-static inline void sg_primitive_copy(sg_primitive *to, const sg_primitive *from)
-{
-    memcpy(to, from, offsetof(sg_primitive, corner));
-    if (from->ncorners > 0)
-        memcpy(to->corner, from->corner, from->ncorners * sizeof from->corner[0]);
-}
-
 static inline void sg_scene_state_copy(sg_scene_state *to, const sg_scene_state *from)
 {
     memcpy(to, from, offsetof(sg_scene_state, corner));
@@ -88,7 +81,6 @@ static inline void sg_scene_state_copy(sg_scene_state *to, const sg_scene_state 
 }
 
 /** Bit for bit. */
-bool sg_primitive_equal(const sg_primitive *a, const sg_primitive *b);
 bool sg_scene_state_equal(const sg_scene_state *a, const sg_scene_state *b);
 
 typedef struct {
@@ -120,8 +112,21 @@ typedef struct {
     const sg_grammar *grammar; /* borrowed from the derivation */
     sg_primitive *items;
     size_t n, capacity;
+    double (*corners)[2]; /* of all polygons, each counterclockwise */
+    size_t ncorners, corners_capacity;
     struct sg_scene_work *work; /* work space, kept from one interpretation to the next */
 } sg_scene;
+
+/** [ncorners] of a primitive of the scene, in x and y of its frame; NULL when it has none. */
+static inline const double (*sg_primitive_corners(const sg_scene *scene, const sg_primitive *p))[2]
+{
+    return p->ncorners > 0 ? (const double(*)[2])scene->corners + p->corner : NULL;
+}
+
+/** Are two primitives the same bit for bit, their corners too, wherever these stand? */
+bool sg_primitive_equal(const sg_scene *scene, const sg_primitive *p, const sg_scene *other, const sg_primitive *q);
+/** Append primitives first..first+n-1 of another scene, their corners too. @return SG_OK, SG_ENOMEM */
+sg_status sg_scene_append(sg_scene *to, const sg_scene *from, size_t first, size_t n, sg_error *err);
 
 /** The state that the root inherits. */
 sg_scene_state sg_scene_first_state(const sg_scene_opts *opts);

@@ -104,17 +104,11 @@ sg_status sg_scene_make_polygon(sg_scene_body *b, const double *args, uint32_t n
     return SG_OK;
 }
 
-static void corners_of(const sg_scene_state *s, double (*p)[2])
+void sg_scene_corners_of(const sg_scene_state *s, double (*p)[2])
 {
     for (uint32_t i = 0; i < s->ncorners; i++)
         for (int k = 0; k < 2; k++)
             p[i][k] = s->corner[i][k] * s->size[k];
-}
-
-void sg_scene_set_corners(sg_primitive *p, const sg_scene_state *s)
-{
-    p->ncorners = s->ncorners;
-    corners_of(s, p->corner);
 }
 
 /* Where the lines by the two sides of a corner, moved outwards, cross. */
@@ -140,7 +134,7 @@ bool sg_scene_widen_polygon(sg_scene_state *s, double by)
 {
     double p[MAX_CORNERS][2], moved[MAX_CORNERS][2];
     const size_t n = s->ncorners;
-    corners_of(s, p);
+    sg_scene_corners_of(s, p);
     for (size_t i = 0; i < n; i++) {
         move_corner(p[(i + n - 1) % n], p[i], p[(i + 1) % n], by, moved[i]);
         const double *was = p[i], *is = moved[i]; /* sides that were turned around are simple, but no roof */

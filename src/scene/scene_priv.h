@@ -71,8 +71,8 @@ enum { SG_SCENE_FACES = SG_PRIMITIVE_CORNERS + 2 };
 sg_status sg_scene_make_polygon(sg_scene_body *b, const double *args, uint32_t nargs, sg_scene_state *s);
 /** Widen a polygon on all sides, its corners kept sharp. @return false when its sides cross or touch then */
 bool sg_scene_widen_polygon(sg_scene_state *s, double by);
-/** Corners of the polygon, in lengths. */
-void sg_scene_set_corners(sg_primitive *p, const sg_scene_state *s);
+/** Corners of the polygon, in lengths. @param corners  out [ncorners] */
+void sg_scene_corners_of(const sg_scene_state *s, double (*corners)[2]);
 
 /** The state on a face of a scope that is a box: x to the right as it is looked at, y up (of the top: to the back, of the bottom:
  *  to the front), z outwards.
@@ -84,12 +84,13 @@ bool sg_scene_face(const sg_scene_state *s, int face, sg_scene_state *out);
 sg_primitive sg_scene_primitive(const sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind kind);
 /** One more place or primitive. @return SG_OK, SG_ENUMERIC (too many) */
 sg_status sg_scene_count(sg_scene_body *b);
-/** Append it, unless b is unplaced. @return SG_OK, SG_ENUMERIC (not finite, too many), SG_ENOMEM */
-sg_status sg_scene_add(sg_scene_body *b, const sg_primitive *p);
+/** Append it, unless b is unplaced. @param corners  [ncorners]; NULL when it has none
+ *  @return SG_OK, SG_ENUMERIC (not finite, too many), SG_ENOMEM */
+sg_status sg_scene_add(sg_scene_body *b, const sg_primitive *p, const double (*corners)[2]);
+/** The same for any scene, whatever is in it. @return SG_OK, SG_ENOMEM */
+sg_status sg_scene_put(sg_scene *scene, const sg_primitive *p, const double (*corners)[2], sg_error *err);
 /** The scope as a box, or when it is flat along one axis as a rectangle of this kind (POLYGON or LABEL). */
 sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind flat);
-/** The corners of a rectangle from the origin. */
-void sg_scene_set_rectangle(sg_primitive *p, double width, double height);
 
 /** SG_ENUMERIC, with file, line and derivation path of the body before the sentence. */
 sg_status sg_scene_fail(sg_scene_body *b, const char *what);

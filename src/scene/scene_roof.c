@@ -58,12 +58,9 @@ static sg_status add_pitched(sg_scene_body *b, const sg_scene_state *face, doubl
         return sg_scene_fail(b, "a roof of 90 degrees or more");
     lay_ridge(face, &p);
     p.size[1] = p.size[0] / 2 * tan(slope * pi / 180);
-    if (!hip) {
-        const double corner[3][2] = {{0, 0}, {p.size[0], 0}, {p.size[0] / 2, p.size[1]}};
-        p.ncorners = 3;
-        memcpy(p.corner, corner, sizeof corner);
-    }
-    return sg_scene_add(b, &p);
+    const double gable[3][2] = {{0, 0}, {p.size[0], 0}, {p.size[0] / 2, p.size[1]}};
+    p.ncorners = hip ? 0 : 3;
+    return sg_scene_add(b, &p, gable);
 }
 
 static sg_status add_flat(sg_scene_body *b, const sg_scene_state *face, double height)
@@ -87,15 +84,17 @@ static sg_status add_over_polygon(sg_scene_body *b, const sg_op *op, double slop
     if (!(slope > 0))
         return add_flat(b, face, 0);
     sg_primitive p = sg_scene_primitive(b, face, SG_PRIMITIVE_HIP);
-    sg_scene_set_corners(&p, face);
-    if (!sg_skeleton_find((const double(*)[2])p.corner, p.ncorners, &skeleton))
+    double corners[SG_PRIMITIVE_CORNERS][2];
+    p.ncorners = face->ncorners;
+    sg_scene_corners_of(face, corners);
+    if (!sg_skeleton_find((const double(*)[2])corners, p.ncorners, &skeleton))
         return sg_scene_fail(b, "a roof over a polygon that has no straight skeleton");
     if (op->shape == SG_SHAPE_GABLE_ROOF &&
-        sg_skeleton_raise_gables((const double(*)[2])p.corner, p.ncorners, &skeleton) > 0)
+        sg_skeleton_raise_gables((const double(*)[2])corners, p.ncorners, &skeleton) > 0)
         p.radius[1] = 1;
     p.radius[0] = tan(slope * pi / 180);
     p.size[2] = skeleton.height * p.radius[0];
-    return sg_scene_add(b, &p);
+    return sg_scene_add(b, &p, (const double(*)[2])corners);
 }
 
 /* A roof stands on a face, or on the top of a scope that has depth; an overhang widens it on all sides. */

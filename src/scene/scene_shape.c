@@ -17,7 +17,7 @@ static const double degree = 0.017453292519943295;
 sg_primitive sg_scene_primitive(const sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind kind)
 {
     sg_primitive p;
-    memset(&p, 0, offsetof(sg_primitive, corner));
+    memset(&p, 0, sizeof p);
     p.frame = s->frame;
     p.kind = kind;
     memcpy(p.size, s->size, sizeof p.size);
@@ -36,26 +36,15 @@ static bool all_finite(const double *x, size_t n)
     return true;
 }
 
-sg_status sg_scene_add(sg_scene_body *b, const sg_primitive *p)
+sg_status sg_scene_add(sg_scene_body *b, const sg_primitive *p, const double (*corners)[2])
 {
-    sg_scene *scene = b->scene;
     if (b->unplaced > 0)
         return SG_OK;
     if (!all_finite(p->frame.origin, 3) || !all_finite(p->size, 3) || !all_finite(p->radius, 2) ||
-        (p->ncorners > 0 && !all_finite(p->corner[0], 2 * (size_t)p->ncorners)))
+        (p->ncorners > 0 && !all_finite(corners[0], 2 * (size_t)p->ncorners)))
         return sg_scene_fail(b, "a place or a size grows beyond all numbers");
     SG_TRY(sg_scene_count(b));
-    if (!SG_GROW(scene->items, scene->capacity, scene->n + 1))
-        return SG_FAIL_NOMEM(b->err);
-    sg_primitive_copy(scene->items + scene->n++, p);
-    return SG_OK;
-}
-
-void sg_scene_set_rectangle(sg_primitive *p, double width, double height)
-{
-    const double corner[4][2] = {{0, 0}, {width, 0}, {width, height}, {0, height}};
-    p->ncorners = 4;
-    memcpy(p->corner, corner, sizeof corner);
+    return sg_scene_put(b->scene, p, corners, b->err);
 }
 
 /* Which face stands for a scope that is flat. */
@@ -67,8 +56,19 @@ static int flat_face(const sg_scene_state *s)
 static sg_status add_polygon(sg_scene_body *b, const sg_scene_state *s)
 {
     sg_primitive p = sg_scene_primitive(b, s, s->size[2] > 0 ? SG_PRIMITIVE_PRISM : SG_PRIMITIVE_POLYGON);
-    sg_scene_set_corners(&p, s);
-    return s->size[0] > 0 && s->size[1] > 0 ? sg_scene_add(b, &p) : SG_OK;
+    double corners[SG_PRIMITIVE_CORNERS][2];
+    p.ncorners = s->ncorners;
+    sg_scene_corners_of(s, corners);
+    return s->size[0] > 0 && s->size[1] > 0 ? sg_scene_add(b, &p, (const double(*)[2])corners) : SG_OK;
+}
+
+/* A label's rectangle is known by its size. */
+static sg_status add_rectangle(sg_scene_body *b, const sg_scene_state *face, sg_primitive_kind kind)
+{
+    sg_primitive p = sg_scene_primitive(b, face, kind);
+    const double w = face->size[0], h = face->size[1], corners[4][2] = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+    p.ncorners = kind == SG_PRIMITIVE_POLYGON ? 4 : 0;
+    return sg_scene_add(b, &p, corners);
 }
 
 sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primitive_kind flat)
@@ -80,11 +80,9 @@ sg_status sg_scene_add_scope(sg_scene_body *b, const sg_scene_state *s, sg_primi
         sg_scene_state face;
         if (!sg_scene_face(s, flat_face(s), &face))
             return SG_OK;
-        p = sg_scene_primitive(b, &face, flat);
-        if (flat == SG_PRIMITIVE_POLYGON)
-            sg_scene_set_rectangle(&p, face.size[0], face.size[1]);
+        return add_rectangle(b, &face, flat);
     }
-    return sg_scene_add(b, &p);
+    return sg_scene_add(b, &p, NULL);
 }
 
 /* After a segment the torque e H x T turns the heading towards T, by e |H x T| radians (section 2.3.1). */
@@ -112,7 +110,7 @@ static sg_status draw(sg_scene_body *b, double length, sg_scene_state *s)
     p.radius[0] = s->joint >= 0 ? s->joint : p.radius[1];
     sg_frame_point(&p.frame, 0, p.size[1], 0, s->frame.origin); /* as who continues it finds its end */
     s->joint = p.radius[1];
-    SG_TRY(sg_scene_add(b, &p));
+    SG_TRY(sg_scene_add(b, &p, NULL));
     bend(s);
     return SG_OK;
 }
@@ -171,7 +169,7 @@ static sg_status insert(sg_scene_body *b, uint32_t name, const sg_scene_state *s
     else
         p.mesh = name;
     const int nflat = !(s->size[0] > 0) + !(s->size[1] > 0) + !(s->size[2] > 0);
-    return nflat > (solid == NULL) ? SG_OK : sg_scene_add(b, &p);
+    return nflat > (solid == NULL) ? SG_OK : sg_scene_add(b, &p, NULL);
 }
 
 static sg_status eval_args(sg_scene_body *b, const sg_op *op, double *args)

@@ -19,6 +19,10 @@ while IFS= read -r link; do
     count=$((count + 1))
 done < <(grep -oE '(src|href)="[^"]+"' "$page" | cut -d '"' -f 2)
 [ "$count" -ge 80 ] || fail "only $count pictures and links"
+# a part that is left out would leave no broken link
+for part in report/grammar.svg samples/ rendered/ street/street-0001.render.png street/street-0001.glb .overlay.png .uncertainty.png; do
+    grep -qF "$part\"" "$page" || grep -qF "\"$part" "$page" || fail "the page does not show $part"
+done
 if grep -E '<td></td>|here  merges| in  s' "$page"; then fail "a number is missing"; fi
 
 # What is not a demonstration is left alone; an older one is replaced.

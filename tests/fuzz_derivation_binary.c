@@ -5,32 +5,22 @@
 
 #include "derivation/derivation_io.h"
 #include "grammar/fingerprint.h"
-#include "tests/derivation_grammars.h"
-#include "tests/fuzz.h"
+#include "tests/fuzz_stored.h"
 
 #include <string.h>
 
 enum { HEAD = 24, FINGERPRINT = 8 };
 
-static const sg_grammar *grammar(void)
-{
-    static const char text[] = GRAMMAR_OF_DERIVATIONS;
-    static sg_grammar *g;
-    if (g == NULL)
-        fuzz_must(sg_grammar_parse(text, strlen(text), "stored", &g, NULL) == SG_OK);
-    return g;
-}
-
 /* What was read is written as the very same bytes. */
 static void write_again(const sg_derivation_file *f, const uint8_t *data, size_t size)
 {
     sg_bytes b = {0};
-    fuzz_must(sg_derivation_file_encode(grammar(), f->items, f->n, &b, NULL) == SG_OK);
+    fuzz_must(sg_derivation_file_encode(fuzz_stored_grammar(), f->items, f->n, &b, NULL) == SG_OK);
     fuzz_must(b.n == size);
     if (f->n == 0)
         fuzz_must(memcmp(b.bytes, data, size) == 0);
     sg_derivation_file again = {0};
-    fuzz_must(sg_derivation_file_decode(b.bytes, b.n, "again", grammar(), &again, NULL) == SG_OK);
+    fuzz_must(sg_derivation_file_decode(b.bytes, b.n, "again", fuzz_stored_grammar(), &again, NULL) == SG_OK);
     fuzz_must(again.n == f->n);
     for (size_t i = 0; i < f->n; i++) {
         const sg_derivation *d = f->items + i, *e = again.items + i;
@@ -46,7 +36,7 @@ static void try_bytes(const uint8_t *data, size_t size)
 {
     sg_error err = SG_ERROR_INIT;
     sg_derivation_file f = {0};
-    const sg_status st = sg_derivation_file_decode(data, size, "fuzz", grammar(), &f, &err);
+    const sg_status st = sg_derivation_file_decode(data, size, "fuzz", fuzz_stored_grammar(), &f, &err);
     if (st != SG_OK) {
         fuzz_refused(st, err);
         return;
@@ -67,7 +57,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     try_bytes(data, size);
     if (size < HEAD + FINGERPRINT)
         return 0;
-    fuzz_must(sg_grammar_fingerprint(grammar(), &fingerprint, NULL) == SG_OK);
+    fuzz_must(sg_grammar_fingerprint(fuzz_stored_grammar(), &fingerprint, NULL) == SG_OK);
     uint8_t *copy = malloc(size);
     fuzz_must(copy != NULL);
     memcpy(copy, data, size);

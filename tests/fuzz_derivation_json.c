@@ -4,19 +4,9 @@
 #include "config.h"
 
 #include "scene/derivation_json.h"
-#include "tests/derivation_grammars.h"
-#include "tests/fuzz.h"
+#include "tests/fuzz_stored.h"
 
 #include <string.h>
-
-static const sg_grammar *grammar(void)
-{
-    static const char text[] = GRAMMAR_OF_DERIVATIONS;
-    static sg_grammar *g;
-    if (g == NULL)
-        fuzz_must(sg_grammar_parse(text, strlen(text), "stored", &g, NULL) == SG_OK);
-    return g;
-}
 
 /* A NaN keeps its sign alone. */
 static bool same_values(const double *a, const double *b, size_t n)
@@ -46,7 +36,7 @@ static void write_again(const sg_derivation *d, bool placed)
     fuzz_must(fclose(fp) == 0);
     fuzz_must(st == SG_OK || (placed && st == SG_ENUMERIC)); /* not every derivation is a label scene */
     if (st == SG_OK) {
-        fuzz_must(sg_derivation_parse_json(text, n, "again", grammar(), &again, &err) == SG_OK);
+        fuzz_must(sg_derivation_parse_json(text, n, "again", fuzz_stored_grammar(), &again, &err) == SG_OK);
         fuzz_must(again.n == 1);
         must_be_same(d, again.items);
         sg_derivation_file_clear(&again);
@@ -58,7 +48,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     sg_error err = SG_ERROR_INIT;
     sg_derivation_file f = {0};
-    const sg_status st = sg_derivation_parse_json((const char *)data, size, "fuzz", grammar(), &f, &err);
+    const sg_status st = sg_derivation_parse_json((const char *)data, size, "fuzz", fuzz_stored_grammar(), &f, &err);
     if (st != SG_OK) {
         fuzz_refused(st, err);
         return 0;

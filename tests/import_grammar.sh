@@ -145,5 +145,15 @@ expect 2 sample-grammar street.sg --table sub/facade.sg
 says err 'sub/facade.sg: this is a grammar that is read'
 expect 2 sample-grammar street.sg --stats --json ./sub/../sub/facade.sg
 same sub/facade.sg facade.kept
+# many imports by a large file: what is read is kept once. A sanitizer's own memory is larger than any bound.
+printf 'start A\nrule A -> nothing\n' >small.sg
+{ printf '#'; head -c 4000000 /dev/zero | tr '\0' x; echo
+  for i in $(seq 300); do echo "import A$i \"small.sg\""; done
+  echo 'start S rule S ->'; for i in $(seq 300); do echo " A$i"; done; } >many.sg
+if (ulimit -v 400000 && print-grammar --version) >out 2>&1; then
+    (ulimit -v 400000 && exec print-grammar many.sg) >out 2>err || fail 'many imports take too much memory'
+else
+    expect 0 print-grammar many.sg
+fi
 [ $failures -eq 0 ] || exit 1
 echo "imports are read"

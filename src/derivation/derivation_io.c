@@ -62,19 +62,14 @@ sg_status sg_derivation_file_check_last(sg_derivation_file *f, sg_error *err)
 
 /* ---- writing ---- */
 
-static void put_u32(sg_bytes *b, size_t value)
-{
-    sg_bytes_put(b, value, 4);
-}
-
 static void put_nodes(sg_bytes *b, const sg_derivation *d)
 {
     for (const sg_node *n = d->nodes; n < d->nodes + d->nnodes; n++) {
-        put_u32(b, n->symbol);
-        put_u32(b, n->rule);
-        put_u32(b, n->parent);
-        put_u32(b, n->length);
-        put_u32(b, n->depth);
+        sg_bytes_put_u32(b, n->symbol);
+        sg_bytes_put_u32(b, n->rule);
+        sg_bytes_put_u32(b, n->parent);
+        sg_bytes_put_u32(b, n->length);
+        sg_bytes_put_u32(b, n->depth);
     }
 }
 
@@ -91,9 +86,9 @@ static sg_status put_derivation(sg_bytes *b, const sg_grammar *g, const sg_deriv
         return SG_FAIL(err, SG_EINVAL, "an empty derivation, or one of another grammar");
     SG_TRY(sg_derivation_log_prior(d, &log_prior, err));
     sg_bytes_put_f64(b, log_prior);
-    put_u32(b, d->nnodes);
-    put_u32(b, d->nuniforms);
-    put_u32(b, d->nvalues);
+    sg_bytes_put_u32(b, d->nnodes);
+    sg_bytes_put_u32(b, d->nuniforms);
+    sg_bytes_put_u32(b, d->nvalues);
     put_nodes(b, d);
     put_numbers(b, d->uniforms, d->nuniforms);
     put_numbers(b, d->values, d->nvalues);
@@ -107,7 +102,7 @@ static sg_status put_body(sg_bytes *b, const sg_grammar *g, const sg_derivation 
         return SG_FAIL(err, SG_EINVAL, "more derivations than a file can hold");
     SG_TRY(sg_grammar_fingerprint(g, &fingerprint, err));
     sg_bytes_put(b, fingerprint, 8);
-    put_u32(b, n);
+    sg_bytes_put_u32(b, n);
     for (size_t i = 0; i < n; i++)
         SG_TRY(put_derivation(b, g, list + i, err));
     return b->failed ? SG_FAIL_NOMEM(err) : SG_OK;
@@ -120,8 +115,8 @@ static void fill_head(sg_bytes *b, size_t begin)
     const uint32_t crc = sg_bytes_checksum(b->bytes + body, end - body);
     b->n = begin;
     sg_bytes_put_text(b, MAGIC);
-    put_u32(b, FILE_VERSION);
-    put_u32(b, crc);
+    sg_bytes_put_u32(b, FILE_VERSION);
+    sg_bytes_put_u32(b, crc);
     sg_bytes_put(b, end - body, 8);
     b->n = end;
 }

@@ -23,18 +23,6 @@ typedef struct {
 
 /* ---- texts ---- */
 
-/* Folder of a file, "" when it is the current one. */
-static const char *folder_of(const char *path, sg_arena *arena)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? sg_arena_printf(arena, "%.*s", (int)(slash == path ? 1 : slash - path), path) : "";
-}
-
-static const char *path_from(const char *folder, const char *file, sg_arena *arena)
-{
-    return folder[0] == '\0' || file[0] == '/' ? file : sg_arena_printf(arena, "%s/%s", folder, file);
-}
-
 static sg_status read_text(importer *im, const sg_ast_import *i, const char *path, char **text, size_t *length)
 {
     sg_error inner = SG_ERROR_INIT;
@@ -143,16 +131,16 @@ static void join(sg_ast *into, const sg_ast *from)
     }
 }
 
-static sg_status import_into(importer *im, sg_ast *into, const char *folder, size_t depth);
+static sg_status import_into(importer *im, sg_ast *into, const char *path, size_t depth);
 
-static sg_status import_one(importer *im, sg_ast *into, const sg_ast_import *i, const char *folder, size_t depth)
+/* @param by  path of the file that imports */
+static sg_status import_one(importer *im, sg_ast *into, const sg_ast_import *i, const char *by, size_t depth)
 {
     char *text = NULL;
     size_t length = 0;
-    const char *path = path_from(folder, i->file, im->arena), *own = path != NULL ? folder_of(path, im->arena) : NULL;
-    const char *there = folder_of(i->file, im->arena); /* own, as seen from the file that imports */
+    const char *path = sg_file_beside(by, i->file, im->arena);
     sg_ast *from = SG_NEW(im->arena, sg_ast);
-    if (path == NULL || own == NULL || there == NULL || from == NULL)
+    if (path == NULL || from == NULL)
         return SG_FAIL_NOMEM(im->err);
     if (depth >= MAX_DEPTH)
         return FAIL(im, i->at, "imports more than %d deep: do they go in a circle?", MAX_DEPTH);
@@ -160,24 +148,23 @@ static sg_status import_one(importer *im, sg_ast *into, const sg_ast_import *i, 
         return FAIL(im, i->at, "more than %d imports", MAX_IMPORTS);
     SG_TRY(read_text(im, i, path, &text, &length));
     SG_TRY(parse_imported(im, path, text, length, from));
-    SG_TRY(import_into(im, from, own, depth + 1));
+    SG_TRY(import_into(im, from, path, depth + 1));
     SG_TRY(check_fit(im, into, i, from));
-    if (sg_import_rename(from, i->name, there, im->arena) != SG_OK)
+    if (sg_import_rename(from, i->name, i->file, im->arena) != SG_OK)
         return SG_FAIL_NOMEM(im->err);
     join(into, from);
     return SG_OK;
 }
 
-static sg_status import_into(importer *im, sg_ast *into, const char *folder, size_t depth)
+static sg_status import_into(importer *im, sg_ast *into, const char *path, size_t depth)
 {
     for (const sg_ast_import *i = into->imports; i != NULL; i = i->next)
-        SG_TRY(import_one(im, into, i, folder, depth));
+        SG_TRY(import_one(im, into, i, path, depth));
     return SG_OK;
 }
 
 sg_status sg_import_all(sg_parse *p, size_t limit)
 {
     importer im = {p->arena, &p->source, p->err, limit, 0};
-    const char *folder = folder_of(p->source.name, p->arena);
-    return folder != NULL ? import_into(&im, p->ast, folder, 0) : SG_FAIL_NOMEM(p->err);
+    return import_into(&im, p->ast, p->source.name, 0);
 }

@@ -5,6 +5,7 @@
 #include "grammar/import_rename_priv.h"
 
 #include "core/array.h"
+#include "core/file.h"
 #include "grammar/names.h"
 #include "grammar/shape_ops.h"
 
@@ -12,7 +13,7 @@
 #include <string.h>
 
 typedef struct {
-    const char *name, *folder;
+    const char *name, *file;
     sg_arena *arena;
     sg_names symbols, constants, functions; /* that the tree defines; the numbers mean nothing */
     const char *start;
@@ -94,8 +95,8 @@ static void rename_shape(renamer *r, sg_ast_item *call, sg_shape_op shape)
             a->next = NULL;
             rename_exprs(r, a);
             a->next = next;
-        } else if (shape == SG_SHAPE_INSERT && a->kind == SG_AST_NAME && is_file(a->name) && r->folder[0] != '\0') {
-            const char *longer = sg_arena_printf(r->arena, "%s/%s", r->folder, a->name);
+        } else if (shape == SG_SHAPE_INSERT && a->kind == SG_AST_NAME && is_file(a->name)) {
+            const char *longer = sg_file_beside(r->file, a->name, r->arena);
             r->failed = r->failed || longer == NULL;
             a->name = longer != NULL ? longer : a->name;
         }
@@ -156,9 +157,9 @@ static void rename_all(renamer *r, sg_ast *ast)
     rename_known(r, &r->symbols, &ast->start->name);
 }
 
-sg_status sg_import_rename(sg_ast *ast, const char *name, const char *folder, sg_arena *arena)
+sg_status sg_import_rename(sg_ast *ast, const char *name, const char *file, sg_arena *arena)
 {
-    renamer r = {.name = name, .folder = folder, .arena = arena, .start = ast->start->name};
+    renamer r = {.name = name, .file = file, .arena = arena, .start = ast->start->name};
     r.symbols.arena = r.constants.arena = r.functions.arena = arena;
     know_all(&r, ast);
     if (!r.failed)

@@ -6,8 +6,9 @@
 #include "grammar/ast.h"
 
 /** Give every symbol, constant and function that the tree defines its name as a part of `name`: the start symbol becomes `name`
- *  itself, X becomes name.X. Meshes are looked for in `folder` ("" for none) from then on.
+ *  itself, X becomes name.X. Meshes, which stand in the folder of `file`, are
+ *  called as they are seen from where `file` is.
  *  @return SG_OK, SG_ENOMEM */
-sg_status sg_import_rename(sg_ast *ast, const char *name, const char *folder, sg_arena *arena);
+sg_status sg_import_rename(sg_ast *ast, const char *name, const char *file, sg_arena *arena);
 
 #endif

@@ -145,20 +145,40 @@ sg_status sg_source_check(const sg_source *s, sg_error *err)
     return SG_OK;
 }
 
+/* Copies of a source that were made before see their own length of the text, which stays as it is. */
+static bool make_room(sg_source *s, size_t more, sg_arena *arena)
+{
+    if (s->nparts >= s->parts_capacity) {
+        const size_t n = 2 * s->nparts + 4;
+        sg_source_part *parts = SG_NEW_ARRAY(arena, sg_source_part, n);
+        if (parts == NULL)
+            return false;
+        if (s->nparts > 0)
+            memcpy(parts, s->parts, s->nparts * sizeof *parts);
+        s->parts = parts;
+        s->parts_capacity = n;
+    }
+    if (s->own != NULL && s->length + more <= s->own_capacity)
+        return true;
+    const size_t n = 2 * (s->length + more);
+    char *text = SG_NEW_ARRAY(arena, char, n);
+    if (text == NULL)
+        return false;
+    memcpy(text, s->text, s->length);
+    s->text = s->own = text;
+    s->own_capacity = n;
+    return true;
+}
+
 sg_status sg_source_add(sg_source *s, const sg_source *other, sg_arena *arena, size_t *base, sg_error *err)
 {
-    const size_t begin = s->length + 1;
-    char *text = SG_NEW_ARRAY(arena, char, begin + other->length + 1);
-    sg_source_part *parts = SG_NEW_ARRAY(arena, sg_source_part, s->nparts + 1);
-    if (text == NULL || parts == NULL)
+    if (!make_room(s, other->length + 2, arena))
         return SG_FAIL_NOMEM(err);
-    memcpy(text, s->text, s->length);
-    text[s->length] = '\n';
-    memcpy(text + begin, other->text, other->length);
-    if (s->nparts > 0)
-        memcpy(parts, s->parts, s->nparts * sizeof *parts);
-    parts[s->nparts] = (sg_source_part){other->name, begin};
-    *s = (sg_source){s->name, text, begin + other->length, parts, s->nparts + 1};
-    *base = begin;
+    char *end = s->own + s->length;
+    *end = '\n';
+    memcpy(end + 1, other->text, other->length);
+    *base = s->length + 1;
+    s->parts[s->nparts++] = (sg_source_part){other->name, *base};
+    s->length = *base + other->length;
     return SG_OK;
 }

@@ -26,8 +26,10 @@ typedef struct {
     const char *name; /* of the file, for messages */
     const char *text; /* NULL when there is none: then errors name a rule */
     size_t length;
-    const sg_source_part *parts; /* files whose texts were added, in order; before the first is the text of `name` */
+    sg_source_part *parts; /* files whose texts were added, in order; before the first is the text of `name` */
     size_t nparts;
+    char *own; /* the text, when sg_source_add() has made it: with room for more */
+    size_t own_capacity, parts_capacity;
 } sg_source;
 
 /** Add the text of another file; positions in it are those in the whole text, which begin at *base, with their own lines.

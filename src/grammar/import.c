@@ -6,6 +6,7 @@
 
 #include "core/file.h"
 #include "grammar/import_rename_priv.h"
+#include "grammar/names.h"
 
 #include <string.h>
 
@@ -55,6 +56,39 @@ static sg_status parse_imported(importer *im, const char *path, const char *text
     return sg_parse_text(p, copy, length);
 }
 
+/* What a tree has, by name; the numbers mean nothing. */
+typedef struct {
+    sg_names rules, labels, materials;
+} known_names;
+
+static bool has(const sg_names *names, const char *name)
+{
+    return sg_names_get(names, name) != UINT32_MAX;
+}
+
+static bool note(sg_names *names, const char *name)
+{
+    return has(names, name) || sg_names_put(names, name, 0);
+}
+
+static bool note_rules(known_names *known, const sg_ast_rule *rules)
+{
+    bool good = true;
+    for (const sg_ast_rule *r = rules; good && r != NULL; r = r->next)
+        good = note(&known->rules, r->name);
+    return good;
+}
+
+static bool note_all(known_names *known, const sg_ast *ast)
+{
+    bool good = note_rules(known, ast->rules);
+    for (const sg_ast_label *l = ast->labels; good && l != NULL; l = l->next)
+        good = note(&known->labels, l->name);
+    for (const sg_ast_label *m = ast->materials; good && m != NULL; m = m->next)
+        good = note(&known->materials, m->name);
+    return good;
+}
+
 static bool has_rule(const sg_ast *ast, const char *name)
 {
     for (const sg_ast_rule *r = ast->rules; r != NULL; r = r->next)
@@ -63,19 +97,12 @@ static bool has_rule(const sg_ast *ast, const char *name)
     return false;
 }
 
-static bool has_label(const sg_ast *ast, const char *name)
-{
-    for (const sg_ast_label *l = ast->labels; l != NULL; l = l->next)
-        if (strcmp(l->name, name) == 0)
-            return true;
-    return false;
-}
-
-static sg_status check_fit(importer *im, const sg_ast *into, const sg_ast_import *i, const sg_ast *from)
+static sg_status check_fit(importer *im, const sg_ast *into, const known_names *known, const sg_ast_import *i,
+                           const sg_ast *from)
 {
     if (from->start == NULL || !has_rule(from, from->start->name))
         return FAIL(im, i->file_at, "a grammar without a start symbol that has rules");
-    if (has_rule(into, i->name) || has_label(into, i->name))
+    if (has(&known->rules, i->name) || has(&known->labels, i->name))
         return FAIL(im, i->at, "'%.60s' is defined here as well", i->name);
     if (from->tied != into->tied)
         return FAIL(im, i->file_at, "this grammar is%s tied and the one that imports it is%s", from->tied ? "" : " not",
@@ -87,40 +114,40 @@ static sg_status check_fit(importer *im, const sg_ast *into, const sg_ast_import
     return SG_OK;
 }
 
-static bool has_material(const sg_ast *ast, const char *name)
-{
-    for (const sg_ast_label *m = ast->materials; m != NULL; m = m->next)
-        if (strcmp(m->name, name) == 0)
-            return true;
-    return false;
-}
-
 /* Materials that are declared here look as they do here. */
-static void move_materials(sg_ast *into, const sg_ast *from)
+static bool move_materials(sg_ast *into, known_names *known, const sg_ast *from)
 {
-    for (sg_ast_label *m = from->materials, *next; m != NULL; m = next) {
+    bool good = true;
+    for (sg_ast_label *m = from->materials, *next; good && m != NULL; m = next) {
         next = m->next;
         m->next = NULL;
-        if (!has_material(into, m->name))
-            SG_AST_APPEND(into->materials, into->last_material, m);
+        if (has(&known->materials, m->name))
+            continue;
+        SG_AST_APPEND(into->materials, into->last_material, m);
+        good = note(&known->materials, m->name);
     }
+    return good;
 }
 
 /* Labels that are symbols here, or labels already, are not declared again. */
-static void move_labels(sg_ast *into, const sg_ast *from)
+static bool move_labels(sg_ast *into, known_names *known, const sg_ast *from)
 {
-    for (sg_ast_label *l = from->labels, *next; l != NULL; l = next) {
+    bool good = true;
+    for (sg_ast_label *l = from->labels, *next; good && l != NULL; l = next) {
         next = l->next;
         l->next = NULL;
-        if (!has_rule(into, l->name) && !has_label(into, l->name))
-            SG_AST_APPEND(into->labels, into->last_label, l);
+        if (has(&known->rules, l->name) || has(&known->labels, l->name))
+            continue;
+        SG_AST_APPEND(into->labels, into->last_label, l);
+        good = note(&known->labels, l->name);
     }
+    return good;
 }
 
-static void join(sg_ast *into, const sg_ast *from)
+static bool join(sg_ast *into, known_names *known, const sg_ast *from)
 {
-    move_labels(into, from);
-    move_materials(into, from);
+    if (!move_labels(into, known, from) || !move_materials(into, known, from) || !note_rules(known, from->rules))
+        return false;
     if (from->definitions != NULL) {
         SG_AST_APPEND(into->definitions, into->last_definition, from->definitions);
         into->last_definition = from->last_definition;
@@ -129,12 +156,14 @@ static void join(sg_ast *into, const sg_ast *from)
         SG_AST_APPEND(into->rules, into->last_rule, from->rules);
         into->last_rule = from->last_rule;
     }
+    return true;
 }
 
 static sg_status import_into(importer *im, sg_ast *into, const char *path, size_t depth);
 
 /* @param by  path of the file that imports */
-static sg_status import_one(importer *im, sg_ast *into, const sg_ast_import *i, const char *by, size_t depth)
+static sg_status import_one(importer *im, sg_ast *into, known_names *known, const sg_ast_import *i, const char *by,
+                            size_t depth)
 {
     char *text = NULL;
     size_t length = 0;
@@ -149,18 +178,22 @@ static sg_status import_one(importer *im, sg_ast *into, const sg_ast_import *i, 
     SG_TRY(read_text(im, i, path, &text, &length));
     SG_TRY(parse_imported(im, path, text, length, from));
     SG_TRY(import_into(im, from, path, depth + 1));
-    SG_TRY(check_fit(im, into, i, from));
+    SG_TRY(check_fit(im, into, known, i, from));
     if (sg_import_rename(from, i->name, i->file, im->arena) != SG_OK)
         return SG_FAIL_NOMEM(im->err);
-    join(into, from);
-    return SG_OK;
+    return join(into, known, from) ? SG_OK : SG_FAIL_NOMEM(im->err);
 }
 
 static sg_status import_into(importer *im, sg_ast *into, const char *path, size_t depth)
 {
-    for (const sg_ast_import *i = into->imports; i != NULL; i = i->next)
-        SG_TRY(import_one(im, into, i, path, depth));
-    return SG_OK;
+    known_names known = {{.arena = im->arena}, {.arena = im->arena}, {.arena = im->arena}};
+    sg_status st = into->imports == NULL || note_all(&known, into) ? SG_OK : SG_FAIL_NOMEM(im->err);
+    for (const sg_ast_import *i = into->imports; st == SG_OK && i != NULL; i = i->next)
+        st = import_one(im, into, &known, i, path, depth);
+    sg_names_clear(&known.rules);
+    sg_names_clear(&known.labels);
+    sg_names_clear(&known.materials);
+    return st;
 }
 
 sg_status sg_import_all(sg_parse *p, size_t limit)

@@ -17,6 +17,7 @@ typedef struct {
 void sg_bytes_clear(sg_bytes *b);
 /** Append the lowest `size` (at most 8) bytes of value. */
 void sg_bytes_put(sg_bytes *b, uint64_t value, size_t size);
+/** The same of 4 bytes, of the 4 or 8 of an IEEE 754 number, and of a text without its NUL. */
 void sg_bytes_put_u32(sg_bytes *b, size_t value);
 void sg_bytes_put_f32(sg_bytes *b, float value);
 void sg_bytes_put_f64(sg_bytes *b, double value);
@@ -31,6 +32,7 @@ typedef struct {
 
 /** The next number of `size` (at most 8) bytes. */
 uint64_t sg_bytes_get(sg_byte_reader *r, size_t size);
+/** The next 4 bytes, and the next 4 or 8 as an IEEE 754 number, whatever its bits. */
 uint32_t sg_bytes_get_u32(sg_byte_reader *r);
 float sg_bytes_get_f32(sg_byte_reader *r);
 double sg_bytes_get_f64(sg_byte_reader *r);

@@ -30,6 +30,7 @@ void sg_pins_free(sg_pins *p);
 /** One more; the text is copied.
  *  @return SG_OK, SG_EINVAL (it is not written so; no such symbol, rule or draw: the sentence lists what there is), SG_ENOMEM */
 sg_status sg_pins_add(sg_pins *p, const char *text, sg_error *err);
+/** How many there are, and the text of one of them. @param pin  below the count; so in all that follows */
 size_t sg_pins_count(const sg_pins *p);
 const char *sg_pins_text(const sg_pins *p, size_t pin);
 

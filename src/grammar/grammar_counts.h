@@ -18,6 +18,7 @@ typedef struct {
     size_t successors; /* symbols and labels in bodies */
 } sg_grammar_counts;
 
+/** Count a grammar: one pass over its symbols and rules. */
 sg_grammar_counts sg_grammar_count(const sg_grammar *g);
 
 #endif

@@ -26,6 +26,7 @@ sg_interval sg_interval_between(double low, double high);
 /** One value, which may be NaN. */
 sg_interval sg_interval_point(double value);
 
+/** Is there a double other than NaN in it? Is there nothing, not even NaN? Is this value in it (NaN may be asked for)? */
 bool sg_interval_has_number(sg_interval a);
 bool sg_interval_is_none(sg_interval a);
 bool sg_interval_contains(sg_interval a, double value);

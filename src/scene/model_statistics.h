@@ -20,7 +20,7 @@ typedef struct {
 sg_status sg_model_statistics_of(const sg_derivation *d, const sg_scene_opts *scene_opts, const sg_mesh_opts *mesh_opts,
                                  sg_scene *scene, sg_mesh *mesh, sg_model_statistics *out, sg_error *err);
 
-/** The columns: names as in tables and JSON, and their values. */
+/** The columns: names as in tables and JSON, and their values. @param column  below sg_model_statistics_columns() */
 size_t sg_model_statistics_columns(void);
 const char *sg_model_statistics_name(size_t column);
 double sg_model_statistics_value(const sg_model_statistics *s, size_t column);

@@ -56,9 +56,15 @@ sg_status sg_scene_put(sg_scene *scene, const sg_primitive *p, const double (*co
 
 sg_status sg_scene_append(sg_scene *to, const sg_scene *from, size_t first, size_t n, sg_error *err)
 {
-    for (size_t i = first; i < first + n; i++)
-        SG_TRY(sg_scene_put(to, from->items + i, sg_primitive_corners(from, from->items + i), err));
-    return SG_OK;
+    const size_t mark = to->n, corners = to->ncorners;
+    sg_status st = SG_OK;
+    for (size_t i = first; st == SG_OK && i < first + n; i++)
+        st = sg_scene_put(to, from->items + i, sg_primitive_corners(from, from->items + i), err);
+    if (st != SG_OK) {
+        to->n = mark;
+        to->ncorners = corners;
+    }
+    return st;
 }
 
 bool sg_scene_state_equal(const sg_scene_state *a, const sg_scene_state *b)

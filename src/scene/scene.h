@@ -125,7 +125,8 @@ static inline const double (*sg_primitive_corners(const sg_scene *scene, const s
 
 /** Are two primitives the same bit for bit, their corners too, wherever these stand? */
 bool sg_primitive_equal(const sg_scene *scene, const sg_primitive *p, const sg_scene *other, const sg_primitive *q);
-/** Append primitives first..first+n-1 of another scene, their corners too. @return SG_OK, SG_ENOMEM */
+/** Append primitives first..first+n-1 of another scene than `to`, their corners too.
+ *  @return SG_OK, SG_ENOMEM; on failure `to` is as it was */
 sg_status sg_scene_append(sg_scene *to, const sg_scene *from, size_t first, size_t n, sg_error *err);
 
 /** The state that the root inherits. */

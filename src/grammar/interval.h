@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* interval.h - the operators of expressions over sets of numbers: what a value can be when its arguments are known only
- * to lie somewhere.
+ * to lie somewhere (interval arithmetic: R. E. Moore, "Interval Analysis", 1966).
  *
  * Every result holds each double that sg_operator_apply() gives for arguments out of the sets, rounding included: bounds
  * of operations that round correctly are computed as the values are, for rounding never turns an order around; those of

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* raster.h - meshes as depth and triangle buffers: which triangle is seen in each pixel, and how deep it lies.
  *
- * A pixel is one sample. A sample belongs to a triangle when it lies inside, or on a top or left edge: neighbours that
- * share an edge neither both have a sample of it nor leave one out. For that, corners are rounded to 1/256 px. Of several
- * triangles the nearest is seen, of equally near ones the first. Both sides of a triangle are seen. */
+ * A pixel is one sample. A sample belongs to a triangle when it lies inside (by the edge functions of Pineda, "A parallel
+ * algorithm for polygon rasterization", 1988), or on a top or left edge: neighbours that share an edge neither both have a
+ * sample of it nor leave one out. For that, corners are rounded to 1/256 px. Of several triangles the nearest is seen, of
+ * equally near ones the first. Both sides of a triangle are seen. */
 #ifndef SG_SCENE_RASTER_H
 #define SG_SCENE_RASTER_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* triangulate.h - polygons in the plane cut into triangles. */
+/* triangulate.h - polygons in the plane cut into triangles, ear by ear (Meisters, "Polygons have ears", 1975). */
 #ifndef SG_SCENE_TRIANGULATE_H
 #define SG_SCENE_TRIANGULATE_H
 
